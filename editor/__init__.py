@@ -1,0 +1,19 @@
+"""The desktop editor: a window of panels around one runtime. May import engine, importers, imgui_bundle; no GL library.
+
+    command.py            `lucarna edit`: arguments -> app
+    app.py                hello_imgui window: device, fonts, layout, frame loop        (imgui)
+    panels/ *.py          one panel a file, found by panels.registry                   (imgui)
+      |  read the session, call operations, propose edits
+      v
+    session.py            what the window works on: document, camera, settings, log    (no imgui, no GL)
+      |-- operations.py   named user operations: menu, palette and keys are their doors
+      |-- document.py     what is open; every edit is a Command on a table column
+      |     '-- commands/ Command + History: undo, redo, one entry per gesture
+      |-- opening.py      path -> scene file, in a worker thread, cancellable
+      '-- viewport_image.py   renders only when something visible changed
+      v
+    host.py               the engine's side: runtime, view, scene_for (tests put a fake one here)
+
+An edit goes: widget -> session.edit(table, column, rows, values, gesture) -> History -> tables.py -> engine tables ->
+revision -> viewport_image renders once -> the picture. Nothing else writes to a scene.
+"""

@@ -1,0 +1,40 @@
+"""Command: one edit of one column of one table, as plain values, so that it can be undone, merged and logged."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """`before[i]` and `after[i]` are the values of `column` in row `rows[i]`: numbers, strings or tuples of them."""
+
+    table: str
+    column: str
+    rows: tuple[int, ...]
+    before: tuple[Any, ...]
+    after: tuple[Any, ...]
+    label: str = ""
+
+    def __post_init__(self) -> None:
+        assert len(self.rows) == len(self.before) == len(self.after), "one value before and after for each row"
+
+    @property
+    def target(self) -> tuple[str, str, tuple[int, ...]]:
+        return self.table, self.column, self.rows
+
+    @property
+    def changes(self) -> bool:
+        return self.before != self.after
+
+    def inverse(self) -> Command:
+        return replace(self, before=self.after, after=self.before)
+
+    def followed_by(self, later: Command) -> Command:
+        """This command and then `later` on the same target, as one."""
+        assert self.target == later.target
+        return replace(self, after=later.after)
+
+    def describe(self) -> str:
+        return self.label or f"Change {self.column.replace('_', ' ')}"

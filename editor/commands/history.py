@@ -1,0 +1,102 @@
+"""History: the undo stack. Every write to a document goes through it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable
+
+from editor.commands.command import Command
+
+
+class History:
+    """Applies commands through `write` and remembers them.
+
+    Commands with the same `gesture` token and the same target, made before `end_gesture()`, are one entry: a drag of
+    three hundred frames is one undo. Two drags are never merged. A gesture that ends where it began leaves no entry.
+    """
+
+    def __init__(self, write: Callable[[Command], None], limit: int = 1000) -> None:
+        self._write = write
+        self._limit = limit
+        self._done: list[Command] = []
+        self._undone: list[Command] = []
+        self._gesture: Hashable | None = None
+        self._saved: int | None = 0
+        #: grows with every write to the document, undo and redo too: a cheap "did anything change"
+        self.revision = 0
+
+    def do(self, command: Command, gesture: Hashable | None = None) -> None:
+        """Apply `command`; what `write` raises comes through and leaves the history as it was."""
+        merges = gesture is not None and gesture == self._gesture and self._done[-1].target == command.target
+        if not command.changes:
+            return
+        self._write(command)
+        self.revision += 1
+        if merges:
+            self._done[-1] = self._done[-1].followed_by(command)
+            if self._saved == len(self._done):
+                self._saved = None
+            return
+        self._settle()
+        if self._saved is not None and self._saved > len(self._done):
+            self._saved = None  # the saved state was in the branch that this edit cuts off
+        self._undone.clear()
+        self._done.append(command)
+        self._gesture = gesture
+        if len(self._done) > self._limit:
+            del self._done[0]
+            if self._saved is not None:
+                self._saved = self._saved - 1 if self._saved > 0 else None
+
+    def end_gesture(self) -> None:
+        """The pointer was let go: the next edit starts an entry of its own."""
+        self._settle()
+
+    def undo(self) -> Command | None:
+        """Take back the last entry and return it, or None when there is none."""
+        self._settle()
+        if not self._done:
+            return None
+        command = self._done[-1]
+        self._write(command.inverse())
+        self.revision += 1
+        self._undone.append(self._done.pop())
+        return command
+
+    def redo(self) -> Command | None:
+        self._settle()
+        if not self._undone:
+            return None
+        command = self._undone[-1]
+        self._write(command)
+        self.revision += 1
+        self._done.append(self._undone.pop())
+        return command
+
+    @property
+    def undo_label(self) -> str:
+        """What undo would take back, or ''."""
+        return self._done[-1].describe() if self._done else ""
+
+    @property
+    def redo_label(self) -> str:
+        return self._undone[-1].describe() if self._undone else ""
+
+    @property
+    def entries(self) -> tuple[Command, ...]:
+        return tuple(self._done)
+
+    @property
+    def dirty(self) -> bool:
+        """Whether the document differs from what was last saved."""
+        return self._saved != len(self._done)
+
+    def mark_saved(self) -> None:
+        self._settle()
+        self._saved = len(self._done)
+
+    def _settle(self) -> None:
+        if self._gesture is None:
+            return
+        self._gesture = None
+        if self._done and not self._done[-1].changes:
+            self._done.pop()

@@ -1,0 +1,118 @@
+"""Document: one open scene: where it came from, its runtime, its edit history, what is selected. No imgui."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from editor.commands.command import Command
+from editor.commands.history import History
+from editor.host import Resolved, Runtime, box_corners
+from editor.tables import make_command, tables_of
+
+
+class Document:
+    """Owns `runtime` until `close()`."""
+
+    def __init__(self, resolved: Resolved, runtime: Runtime) -> None:
+        self.source = resolved.source
+        self.scene_path = resolved.scene
+        self.project_root = resolved.project_root
+        self.findings = resolved.findings
+        self.runtime = runtime
+        self.tables = tables_of(runtime)
+        self.history = History(self._write)
+        self.selection: tuple[int, ...] = ()
+        self.name = resolved.project_name or resolved.source.name
+        self._extent: tuple[tuple[int, int], dict[int, list[int]]] | None = None
+
+    @property
+    def dirty(self) -> bool:
+        return self.history.dirty
+
+    @property
+    def primary(self) -> int:
+        """The row selected last, or -1."""
+        return self.selection[-1] if self.selection else -1
+
+    def edit(
+        self,
+        table: str,
+        column: str,
+        rows: Sequence[int],
+        values: Sequence[Any],
+        *,
+        gesture: Hashable | None = None,
+        label: str = "",
+    ) -> None:
+        """Set `column` of `rows` to `values` as one undoable command (see History for `gesture`)."""
+        self.history.do(make_command(self.tables, table, column, rows, values, label), gesture)
+
+    def select(self, row: int, *, toggle: bool = False) -> None:
+        """Select `row` alone (-1: nothing), or with `toggle` add or take it away."""
+        if toggle and row >= 0:
+            rest = tuple(r for r in self.selection if r != row)
+            self.selection = rest if row in self.selection else (*rest, row)
+        else:
+            self.selection = (row,) if row >= 0 else ()
+
+    def subtree(self, row: int) -> list[int]:
+        """`row` and all nodes below it."""
+        children = self._children()
+        found, queue = [], [row]
+        while queue:
+            node = queue.pop()
+            found.append(node)
+            queue.extend(children.get(node, ()))
+        return found
+
+    def bounds(self, rows: Sequence[int] = ()) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """World box (low, high) of the nodes `rows` with all below them; without rows, of everything visible.
+
+        Nodes without a mesh count as points. Empty: (inf, -inf)."""
+        scene = self.runtime.scene
+        if not rows:
+            low, high = scene.bounds()
+            return np.asarray(low, dtype=np.float64), np.asarray(high, dtype=np.float64)
+        nodes = sorted({n for row in rows for n in self.subtree(row)})
+        points: list[NDArray[np.float64]] = []
+        wanted = np.isin(np.asarray(scene.instances.node), nodes)
+        for instance in np.flatnonzero(wanted):
+            low, high = self._instance_box(int(instance))
+            world = scene.nodes.world_matrix(int(scene.instances.node[instance]))
+            points.append(box_corners(low, high) @ world[:3, :3].T + world[:3, 3])
+        if not points:
+            points = [np.asarray(scene.nodes.world_matrix(n)[:3, 3], dtype=np.float64)[None] for n in rows]
+        corners = np.concatenate(points)
+        return corners.min(axis=0), corners.max(axis=0)
+
+    def close(self) -> None:
+        self.runtime.close()
+
+    def _instance_box(self, instance: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        instances = self.runtime.scene.instances
+        info = self.runtime.residency.mesh(int(instances.mesh[instance]))
+        submesh = info.submeshes[int(instances.submesh[instance])]
+        return np.asarray(submesh.bounds_min, dtype=np.float64), np.asarray(submesh.bounds_max, dtype=np.float64)
+
+    def _children(self) -> dict[int, list[int]]:
+        scene = self.runtime.scene
+        key = (int(scene.structure_rev), len(scene.nodes.name))
+        if self._extent is None or self._extent[0] != key:
+            children: dict[int, list[int]] = {}
+            parents, alive = np.asarray(scene.nodes.parent), np.asarray(scene.nodes.alive)
+            for row in np.flatnonzero(alive[: len(parents)]):
+                children.setdefault(int(parents[row]), []).append(int(row))
+            self._extent = (key, children)
+        return self._extent[1]
+
+    def children_of(self, row: int) -> list[int]:
+        """Live child rows of `row` (-1: the roots), in table order."""
+        return self._children().get(row, [])
+
+    def _write(self, command: Command) -> None:
+        self.tables[command.table].write(command.column, command.rows, command.after)

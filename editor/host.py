@@ -1,0 +1,104 @@
+"""The engine's side of the editor, behind one small interface, so that panels and tests need no GPU and no importer."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from editor.camera_controls import OrbitCamera
+from engine.core.findings import Findings
+from engine.core.param import ParamBlock
+
+#: (what is being done, 0..1 or -1 where unknown); may raise Cancelled
+Progress = Callable[[str, float], None]
+
+
+class Cancelled(Exception):
+    """The user called the work off."""
+
+
+@dataclass(slots=True)
+class Resolved:
+    """A path the user opened, resolved to a scene file. `project_root`: the project's folder, or None for loose files."""
+
+    source: Path
+    scene: Path
+    project_root: Path | None = None
+    project_name: str = ""
+    findings: Findings = field(default_factory=Findings)
+
+
+class Runtime(Protocol):
+    """What the editor asks of engine.app.runtime.Runtime."""
+
+    scene: Any
+    asset: Any
+    residency: Any
+    duration: float
+
+    def update(self, time_s: float) -> Any: ...
+    def default_camera(self, aspect: float) -> Any: ...
+    def render(self, view: Any) -> Any: ...
+    def pick(self, view: Any, x: int, y: int) -> int: ...
+    def close(self) -> None: ...
+
+
+class Host(Protocol):
+    """Makes runtimes and views. `resolve` runs in a worker thread and touches no GPU; the rest on the window's thread."""
+
+    def open_device(self, attach: bool) -> Any: ...
+    def resolve(self, path: Path, progress: Progress) -> Resolved: ...
+    def open_runtime(self, device: Any, scene: Path) -> Runtime: ...
+    def new_settings(self) -> ParamBlock: ...
+    def view(self, camera: OrbitCamera, width: int, height: int, settings: ParamBlock) -> Any: ...
+    def source_extensions(self) -> Sequence[str]: ...
+
+
+class EngineHost:
+    """The real one. Engine and importers are imported when first needed, so that the window opens sooner."""
+
+    def open_device(self, attach: bool) -> Any:
+        from engine.gpu import open_device
+
+        return open_device("gl", attach=attach)
+
+    def resolve(self, path: Path, progress: Progress) -> Resolved:
+        from editor.opening import resolve_path
+
+        return resolve_path(path, progress, self.source_extensions())
+
+    def open_runtime(self, device: Any, scene: Path) -> Runtime:
+        from engine.app.runtime import Runtime as EngineRuntime
+
+        runtime = EngineRuntime(device)
+        try:
+            runtime.open(scene)
+        except BaseException:
+            runtime.close()
+            raise
+        return runtime
+
+    def new_settings(self) -> ParamBlock:
+        from engine.render import RenderSettings
+
+        return RenderSettings()
+
+    def view(self, camera: OrbitCamera, width: int, height: int, settings: ParamBlock) -> Any:
+        from engine.render import Camera, View
+
+        eye = Camera(world_from_camera=camera.world_from_camera(), yfov=camera.yfov, znear=camera.znear)
+        return View(camera=eye, width=width, height=height, settings=settings)
+
+    def source_extensions(self) -> Sequence[str]:
+        return (".glb", ".gltf")
+
+
+def box_corners(low: NDArray[np.float64], high: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The 8 corners f8[8,3] of a box; corner i has bit 0, 1, 2 of i set where x, y, z is high."""
+    bits = (np.arange(8)[:, None] >> np.arange(3)) & 1
+    return np.where(bits == 1, np.asarray(high, dtype=np.float64), np.asarray(low, dtype=np.float64))

@@ -1,0 +1,114 @@
+"""From what the user named to a scene file: projects, folders, sources, scenes; in a worker thread that can be cancelled."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Sequence
+from pathlib import Path
+
+from editor.host import Cancelled, Host, Progress, Resolved
+from engine.core.errors import InputError, LucarnaError
+
+#: folders that never hold what a user means to open
+SKIPPED_FOLDERS = {".git", ".cache", "__pycache__", "node_modules", ".venv"}
+#: how many files of a dropped folder are looked at
+FOLDER_LIMIT = 20_000
+
+
+def resolve_path(path: Path, progress: Progress, extensions: Sequence[str]) -> Resolved:
+    """Turn a project, folder, source or scene into a scene file, converting through the cache where needed.
+
+    Raises InputError when nothing there can be opened, Cancelled when `progress` calls it off.
+    """
+    from importers.cache import scene_for
+    from importers.settings import ImportSettings
+
+    path = Path(path)
+    if not path.exists():
+        raise InputError("there is no such file or folder", where=path)
+    root, name, start = None, "", path
+    if path.name == "project.toml" or (path.is_dir() and (path / "project.toml").is_file()):
+        from engine.app.project import load_project
+
+        project = load_project(path)
+        root, name, start = Path(project.root), project.name, Path(project.start)
+    elif path.is_dir():
+        progress(f"Looking through {path.name}", -1.0)
+        start = pick_from_folder(path, extensions)
+    progress(f"Importing {start.name}", -1.0)
+    scene, findings = scene_for(start, settings=ImportSettings(), progress=progress)
+    return Resolved(path, Path(scene), root, name, findings)
+
+
+def pick_from_folder(folder: Path, extensions: Sequence[str]) -> Path:
+    """The file of a folder most likely meant: a scene before sources, the shallowest, the largest. Raises InputError."""
+    best: tuple[tuple[int, int, int], Path] | None = None
+    seen = 0
+    for base, folders, files in folder.walk() if hasattr(folder, "walk") else _walk(folder):
+        folders[:] = sorted(f for f in folders if f not in SKIPPED_FOLDERS and not f.startswith("."))
+        for name in sorted(files):
+            seen += 1
+            lowered = name.lower()
+            is_scene = lowered.endswith(".scene.json")
+            if is_scene or lowered.endswith(tuple(extensions)):
+                file = base / name
+                rank = (0 if is_scene else 1, len(file.relative_to(folder).parts), -file.stat().st_size)
+                if best is None or rank < best[0]:
+                    best = (rank, file)
+        if seen > FOLDER_LIMIT:
+            break
+    if best is None:
+        wanted = ", ".join(("project.toml", "*.scene.json", *(f"*{e}" for e in extensions)))
+        raise InputError("the folder holds nothing that can be opened", where=folder, hint=f"looked for {wanted}")
+    return best[1]
+
+
+def _walk(folder: Path) -> list[tuple[Path, list[str], list[str]]]:
+    import os
+
+    return [(Path(base), folders, files) for base, folders, files in os.walk(folder)]
+
+
+class OpenJob:
+    """Resolves `path` in a thread. Poll `done`; then either `result` or `error` is set, or neither when cancelled."""
+
+    def __init__(self, host: Host, path: Path) -> None:
+        self.path = path
+        self.text = f"Opening {path.name}"
+        self.fraction = -1.0
+        self.result: Resolved | None = None
+        self.error: LucarnaError | None = None
+        self.cancelled = False
+        self._host = host
+        self._thread = threading.Thread(target=self._run, name="open", daemon=True)
+        self._thread.start()
+
+    @property
+    def done(self) -> bool:
+        return not self._thread.is_alive()
+
+    def cancel(self) -> None:
+        """Ask the work to stop at its next step; what it made so far stays in the cache, whole."""
+        self.cancelled = True
+
+    def wait(self, seconds: float | None = None) -> None:
+        self._thread.join(seconds)
+
+    def _progress(self, text: str, fraction: float = -1.0) -> None:
+        if self.cancelled:
+            raise Cancelled
+        self.text, self.fraction = text, fraction
+
+    def _run(self) -> None:
+        try:
+            self.result = self._host.resolve(self.path, self._progress)
+        except Cancelled:
+            pass
+        except LucarnaError as error:
+            self.error = error
+        except OSError as error:
+            self.error = InputError(error.strerror or str(error), where=error.filename or self.path)
+        except Exception as error:  # a defect in an importer must cost this file, not the session's unsaved work
+            self.error = LucarnaError(f"internal error: {type(error).__name__}: {error}", where=self.path)
+        if self.cancelled:
+            self.result = self.error = None

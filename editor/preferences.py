@@ -1,0 +1,76 @@
+"""What the editor remembers about its user: recent files, keymap, scale. A small JSON file in the settings folder.
+
+A damaged or foreign file never stops the editor: unknown keys and bad values fall back to the defaults, one by one.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass, field, fields
+from pathlib import Path
+from typing import Any
+
+from engine.core.atomic import write_text
+from engine.core.errors import OutputError
+from engine.core.paths import user_config_dir
+
+RECENT_LIMIT = 12
+
+
+@dataclass(slots=True)
+class Preferences:
+    """`ui_scale` multiplies what the display's own scale asks for."""
+
+    recent: list[str] = field(default_factory=list)
+    keymap: str = "industry"
+    ui_scale: float = 1.0
+    welcome_seen: bool = False
+    show_axes: bool = True
+    show_stats: bool = True
+    show_outline: bool = True
+    fly_speed: float = 1.0
+
+    def add_recent(self, path: Path) -> None:
+        text = str(path.resolve())
+        self.recent = [text, *(p for p in self.recent if p != text)][:RECENT_LIMIT]
+
+
+def preferences_path() -> Path:
+    return user_config_dir() / "editor.json"
+
+
+def layout_path() -> Path:
+    """Where the window layout lies (written by the GUI library)."""
+    return user_config_dir() / "layout.ini"
+
+
+def load(path: Path | None = None) -> Preferences:
+    """Read the preferences; what is missing, damaged or out of range takes its default."""
+    preferences = Preferences()
+    try:
+        data: Any = json.loads((path or preferences_path()).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return preferences
+    if not isinstance(data, dict):
+        return preferences
+    for item in fields(Preferences):
+        value, default = data.get(item.name), getattr(preferences, item.name)
+        if isinstance(default, float) and isinstance(value, int) and not isinstance(value, bool):
+            value = float(value)
+        if type(value) is type(default):
+            setattr(preferences, item.name, value)
+    preferences.recent = [p for p in preferences.recent if isinstance(p, str)][:RECENT_LIMIT]
+    if not 0.5 <= preferences.ui_scale <= 3.0:
+        preferences.ui_scale = 1.0
+    if not 0.001 <= preferences.fly_speed <= 1000.0:
+        preferences.fly_speed = 1.0
+    return preferences
+
+
+def save(preferences: Preferences, path: Path | None = None) -> str:
+    """Write atomically. Returns '' or, where the folder cannot be written, what went wrong: never a reason to stop."""
+    try:
+        write_text(path or preferences_path(), json.dumps(asdict(preferences), indent=2, sort_keys=True) + "\n")
+    except OutputError as error:
+        return str(error)
+    return ""

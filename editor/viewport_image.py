@@ -1,0 +1,67 @@
+"""The viewport's picture: rendered only when something that shows in it has changed. No imgui."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from typing import TYPE_CHECKING, Any
+
+from engine.core.errors import LucarnaError
+
+if TYPE_CHECKING:
+    from editor.session import Session
+
+#: larger targets are refused by many drivers and never shown
+MAX_SIZE = 8192
+
+
+class ViewportImage:
+    """`frame` is the last good picture; `renders` counts the pictures made, so that a test can see the editor sleep."""
+
+    def __init__(self) -> None:
+        self.frame: Any = None
+        self.renders = 0
+        self.error = ""
+        self.width = 0
+        self.height = 0
+        self._key: Hashable = None
+
+    def update(self, session: Session, width: int, height: int) -> Any:
+        """The frame for `session` at `width` x `height` pixels; renders if it differs from the one at hand.
+
+        A failing render is logged once, and the last good picture stays."""
+        document = session.document
+        if document is None or width < 1 or height < 1:
+            return self.frame if document is not None else None
+        width, height = min(width, MAX_SIZE), min(height, MAX_SIZE)
+        session.width, session.height = width, height
+        runtime = document.runtime
+        key = (id(runtime), width, height, *session.visible_state())
+        if key == self._key:
+            return self.frame
+        device = session.device
+        device.begin_frame()
+        try:
+            runtime.scene.update()
+            self.frame = runtime.render(session.view())
+            self.renders += 1
+            self.width, self.height, self.error = width, height, ""
+        except LucarnaError as error:
+            self.error = str(error)
+            session.messages.error(error)
+        finally:
+            device.end_frame()
+        # taken after the render: streaming may have moved a revision, and that is shown by the next one
+        self._key = key
+        return self.frame
+
+    def invalidate(self) -> None:
+        """Render again at the next update, whatever the state."""
+        self._key = None
+
+    def forget(self) -> None:
+        """Drop the picture: its runtime is being closed."""
+        self.frame, self._key, self.error = None, None, ""
+
+    def pixels(self) -> Any:
+        """The picture as u1[h,w,4], row 0 at the top, or None."""
+        return None if self.frame is None else self.frame.color.read()

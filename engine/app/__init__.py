@@ -1,0 +1,13 @@
+"""What a program made with the engine is: a project, a running scene, a picture. May import everything in the engine.
+
+    project.py           a folder with project.toml, made from project_template/
+    runtime.py           an opened scene: tables + residency + renderer + clips
+    headless.py          a runtime rendered into an array, no window
+    doctor.py            what this machine has and lacks
+    system_libraries.py  the shared libraries of the system; standard library only, also read by packaging/
+
+    project.toml ──> load_project ──> start: Path ──> (importers.cache) ──> Runtime.open ──> render ──> array | window
+
+The command line, the editor and the player call the same functions. Nothing is imported here: `import engine.app`
+costs nothing.
+"""

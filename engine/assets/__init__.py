@@ -1,0 +1,13 @@
+"""Our own file formats: what they hold (dataclasses), how they are read, written and checked. May import core, math.
+
+    mesh.py     MeshAsset, Submesh, Skeleton      lmesh.py        .lmesh   (safetensors, memory-mapped)
+    clip.py     ClipAsset, Channel                lanim.py        .lanim   (safetensors, memory-mapped)
+    texture.py  TextureAsset, FORMATS             dds.py          .dds     (DX10 header, mips, cubes, arrays)
+    material.py MaterialAsset, TextureRef         material_toml.py *.material.toml
+    scene.py    SceneAsset, NodeAsset …           scene_json.py   *.scene.json (one node a line)
+
+    source -> importers -> [these dataclasses] -> write -> file -> read (checked, mapped) -> resources -> GPU
+
+Readers check header, sizes and ranges before use and never trust a count; writers are atomic and give the same bytes
+for the same input.
+"""

@@ -1,0 +1,36 @@
+"""GlSampler: how a texture is filtered and wrapped."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from engine.gpu import validate
+from engine.gpu.gl import enums as e
+from engine.gpu.gl.objects import GlObject
+from engine.gpu.types import SamplerDesc
+
+if TYPE_CHECKING:
+    from engine.gpu.gl.device import GlDevice
+
+
+class GlSampler(GlObject):
+    KIND = "sampler"
+    __slots__ = ("desc",)
+
+    def __init__(self, device: GlDevice, desc: SamplerDesc) -> None:
+        validate.sampler_desc(desc)
+        self.desc = desc
+        super().__init__(device.objects, device.objects.create("sampler"))
+        parameter = device.gl.SamplerParameteri
+        parameter(self.id, e.TEXTURE_WRAP_S, e.WRAP[desc.wrap_u])
+        parameter(self.id, e.TEXTURE_WRAP_T, e.WRAP[desc.wrap_v])
+        parameter(self.id, e.TEXTURE_WRAP_R, e.WRAP[desc.wrap_w])
+        parameter(self.id, e.TEXTURE_MIN_FILTER, e.FILTER[desc.min_filter])
+        parameter(self.id, e.TEXTURE_MAG_FILTER, e.FILTER[desc.mag_filter])
+        anisotropy = min(desc.anisotropy, device.caps.max_anisotropy)
+        if anisotropy > 1.0:
+            device.gl.SamplerParameterf(self.id, e.TEXTURE_MAX_ANISOTROPY, anisotropy)
+        if desc.compare:
+            parameter(self.id, e.TEXTURE_COMPARE_MODE, e.COMPARE_REF_TO_TEXTURE)
+            parameter(self.id, e.TEXTURE_COMPARE_FUNC, e.COMPARE[desc.compare])
+        device.counters.api_calls += 8

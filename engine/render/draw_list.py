@@ -1,0 +1,275 @@
+"""DrawList: which instances are drawn, as batches of indirect commands; no Python per object in a frame.
+
+Built when the scene's structure changes:
+    every instance row gets a *command*: (pipeline, texture group, arena, submesh). Rows are sorted by command once;
+    commands are sorted by the draw key's static bits: queue | pipeline | texture group | arena, so that a *batch* (a run
+    of commands with equal state) is one multi-draw-indirect call.
+Each frame:
+    visible rows -> counts per command (one bincount) and one compacted list of object ids (the per-instance attribute).
+Opaque batches are not sorted by depth: their order is static, and what that costs in overdraw is less than an argsort of
+every instance in numpy. Blended rows are sorted back to front and become runs.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.gpu.types import Buffer, Device, Pipeline
+from engine.materials.table import resolve_features
+from engine.resources.arena import MeshArena
+from engine.resources.residency import Residency
+from engine.scene.scene import Scene
+
+COMMAND_DTYPE = np.dtype(
+    [("index_count", "<u4"), ("instance_count", "<u4"), ("first_index", "<u4"), ("base_vertex", "<i4"), ("base_instance", "<u4")]
+)  # fmt: skip
+
+#: queue -> order in the frame
+QUEUE_ORDER = {"background": 0, "opaque": 1, "alpha_test": 2, "transparent": 3, "overlay": 4}
+
+
+@dataclass(frozen=True, slots=True)
+class DrawState:
+    """What a batch binds. `blended` draws after everything opaque, back to front."""
+
+    effect: str
+    features: frozenset[str]
+    arena: int
+    group: int
+    topology: str
+    cull: str
+    front_ccw: bool
+    queue: str
+
+    @property
+    def blended(self) -> bool:
+        return self.queue in ("transparent", "overlay")
+
+
+@dataclass(frozen=True, slots=True)
+class Batch:
+    """Commands [first, first + count) drawn with one state."""
+
+    state: DrawState
+    first: int
+    count: int
+
+
+@dataclass(slots=True)
+class _Template:
+    """Commands before visibility, in batch order, and which command each instance row belongs to."""
+
+    states: list[DrawState]  # per command
+    commands: NDArray[np.void]  # COMMAND_DTYPE, instance counts 0
+    row_order: NDArray[np.intp]  # instance rows sorted by command
+    row_command: NDArray[np.intp]  # command of each of row_order
+
+
+def _empty_template() -> _Template:
+    return _Template([], np.zeros(0, COMMAND_DTYPE), np.zeros(0, np.intp), np.zeros(0, np.intp))
+
+
+class DrawList:
+    """`objects`: uvec4 per instance row (node, material row, pick, 0). `ids`: object ids in draw order.
+    `opaque`, `blended`: batches of this frame; their commands lie in `commands`."""
+
+    def __init__(self, device: Device, residency: Residency) -> None:
+        self._device = device
+        self._residency = residency
+        self.objects: Buffer = device.buffer(16, label="objects")
+        self.ids: Buffer = device.buffer(4, label="object ids")
+        self.commands: Buffer = device.buffer(20, label="commands")
+        self.opaque: list[Batch] = []
+        self.blended: list[Batch] = []
+        self.instances_drawn = 0
+        self.triangles_drawn = 0
+        self._built_for: tuple[object, ...] = ()
+        self._solid = _empty_template()
+        self._solid_batches: list[tuple[int, int]] = []
+        self._glass = _empty_template()
+
+    # --- structure ---
+
+    def build(self, scene: Scene) -> bool:
+        """Rebuild the templates if the structure changed; True if it did."""
+        key = (id(scene), scene.structure_rev, self._residency.structure_rev, scene.instances.material_rev)
+        if key == self._built_for:
+            return False
+        self._built_for = key
+        table = scene.instances
+        count = len(table.node)
+        self._write_objects(scene)
+        if count == 0:
+            self._solid, self._glass = _empty_template(), _empty_template()
+            self._solid_batches = []
+            return True
+        mirrored = scene.nodes.mirrored()[table.node]
+        combos, inverse = np.unique(
+            np.stack([table.mesh, table.submesh, table.material, mirrored.astype(np.int32)], axis=1),
+            axis=0, return_inverse=True,
+        )  # fmt: skip
+        inverse = inverse.reshape(-1)
+        states: list[DrawState] = []
+        shapes: list[tuple[int, int, int]] = []
+        for mesh, submesh, material, flipped in combos.tolist():
+            states.append(self._state(mesh, submesh, material, bool(flipped)))
+            info = self._residency.meshes[mesh]
+            part = info.asset.submeshes[submesh]
+            shapes.append((part.index_count, info.place.first_index + part.first_index, info.place.base_vertex))
+        alive = table.alive
+        blended = np.array([s.blended for s in states])
+        self._solid = self._template(states, shapes, inverse, alive & ~blended[inverse])
+        self._solid_batches = _runs(self._solid.states)
+        self._glass = self._template(states, shapes, inverse, alive & blended[inverse])
+        return True
+
+    def _state(self, mesh: int, submesh: int, material: int, mirrored: bool) -> DrawState:
+        record = self._residency.material(material)
+        info = self._residency.meshes[mesh]
+        features = frozenset(resolve_features(record.effect, record.asset, info.asset.layout))
+        double_sided = "double_sided" in features
+        return DrawState(
+            record.effect.name, features, info.arena, record.group,
+            info.asset.submeshes[submesh].topology, "none" if double_sided else "back", not mirrored,
+            record.asset.queue,
+        )  # fmt: skip
+
+    def _template(
+        self, states: list[DrawState], shapes: list[tuple[int, int, int]],
+        inverse: NDArray[np.intp], wanted: NDArray[np.bool_],
+    ) -> _Template:  # fmt: skip
+        """Merge combos that differ in nothing but the material row into commands, sort commands by state."""
+        keys = sorted(
+            {(s, shape) for s, shape in zip(states, shapes, strict=True)},
+            key=lambda k: (QUEUE_ORDER[k[0].queue], *_sort_key(k[0]), k[1]),
+        )
+        index = {key: i for i, key in enumerate(keys)}
+        command_of_combo = np.array([index[key] for key in zip(states, shapes, strict=True)], np.intp)
+        rows = np.flatnonzero(wanted)
+        commands_of_rows = command_of_combo[inverse[rows]]
+        order = np.argsort(commands_of_rows, kind="stable")
+        commands = np.zeros(len(keys), COMMAND_DTYPE)
+        for i, (_, (index_count, first_index, base_vertex)) in enumerate(keys):
+            commands[i] = (index_count, 0, first_index, base_vertex, 0)
+        return _Template([k[0] for k in keys], commands, rows[order], commands_of_rows[order])
+
+    def _write_objects(self, scene: Scene) -> None:
+        table = scene.instances
+        count = len(table.node)
+        rows_of = np.array([r.row for r in self._residency.materials.records] or [0], np.uint32)
+        data = np.zeros((max(count, 1), 4), np.uint32)
+        if count:
+            data[:, 0] = np.maximum(table.node, 0)
+            data[:, 1] = rows_of[table.material]
+            data[:, 2] = table.node
+        self.objects = _fit(self._device, self.objects, data)
+
+    # --- frame ---
+
+    def update(self, scene: Scene, visible: NDArray[np.bool_], eye: NDArray[np.float64], forward: NDArray[np.float64]) -> None:
+        """Fill batches, commands and ids for this frame. `visible` bool[instances]; `eye`, `forward` in world space."""
+        solid = self._solid
+        drawn = visible[solid.row_order]
+        solid_ids = solid.row_order[drawn]
+        counts = np.bincount(solid.row_command[drawn], minlength=len(solid.commands))
+        commands = solid.commands.copy()
+        commands["instance_count"] = counts
+        commands["base_instance"] = np.cumsum(counts) - counts
+        totals = np.add.reduceat(counts, [r[0] for r in self._solid_batches]) if self._solid_batches else []
+        self.opaque = [
+            Batch(solid.states[first], first, count)
+            for (first, count), total in zip(self._solid_batches, totals, strict=True)
+            if total
+        ]
+        glass_commands, glass_ids, self.blended = self._sorted_glass(scene, visible, eye, forward, len(commands), len(solid_ids))
+        all_commands = np.concatenate([commands, glass_commands])
+        ids = np.concatenate([solid_ids, glass_ids]).astype(np.uint32)
+        self.instances_drawn = len(ids)
+        self.triangles_drawn = int(
+            (all_commands["index_count"].astype(np.int64) * all_commands["instance_count"]).sum() // 3
+        )
+        if len(ids):
+            self.ids = _fit(self._device, self.ids, ids)
+            self.commands = _fit(self._device, self.commands, all_commands)
+
+    def _sorted_glass(
+        self, scene: Scene, visible: NDArray[np.bool_], eye: NDArray[np.float64], forward: NDArray[np.float64],
+        first_command: int, first_id: int,
+    ) -> tuple[NDArray[np.void], NDArray[np.intp], list[Batch]]:  # fmt: skip
+        """Blended rows back to front, one command each; equal neighbours in state form a batch."""
+        glass = self._glass
+        drawn = visible[glass.row_order]
+        rows, of_command = glass.row_order[drawn], glass.row_command[drawn]
+        if len(rows) == 0:
+            return np.zeros(0, COMMAND_DTYPE), rows, []
+        depth = (scene.instances.world_center[rows] - eye) @ forward
+        queue = np.array([QUEUE_ORDER[s.queue] for s in glass.states])[of_command]
+        order = np.lexsort((-depth, queue))
+        rows, of_command = rows[order], of_command[order]
+        commands = glass.commands[of_command].copy()
+        commands["instance_count"] = 1
+        commands["base_instance"] = first_id + np.arange(len(rows))
+        state_ids = {state: i for i, state in reversed(list(enumerate(glass.states)))}
+        state_of_command = np.array([state_ids[s] for s in glass.states])[of_command]
+        starts = np.concatenate([[0], np.flatnonzero(np.diff(state_of_command)) + 1, [len(rows)]])
+        batches = [
+            Batch(glass.states[int(state_of_command[a])], first_command + int(a), int(b - a))
+            for a, b in zip(starts[:-1], starts[1:], strict=True)
+        ]
+        return commands, rows, batches
+
+    def release(self) -> None:
+        for buffer in (self.objects, self.ids, self.commands):
+            buffer.release()
+
+
+def _sort_key(state: DrawState) -> tuple[object, ...]:
+    return (
+        state.effect, state.topology, state.cull, state.front_ccw, sorted(state.features), state.arena, state.group,
+    )  # fmt: skip
+
+
+def _runs(states: list[DrawState]) -> list[tuple[int, int]]:
+    """(first, count) of runs of equal neighbours."""
+    runs: list[tuple[int, int]] = []
+    for i, state in enumerate(states):
+        if runs and states[runs[-1][0]] == state:
+            runs[-1] = (runs[-1][0], runs[-1][1] + 1)
+        else:
+            runs.append((i, 1))
+    return runs
+
+
+def _fit(device: Device, buffer: Buffer, data: NDArray[np.generic]) -> Buffer:
+    """Write `data` into `buffer`, in a bigger one if it is too small."""
+    if buffer.size < data.nbytes:
+        label = buffer.label
+        buffer.release()
+        buffer = device.buffer(max(data.nbytes, 16), label=label)
+    buffer.write(np.ascontiguousarray(data))
+    return buffer
+
+
+def arena_streams(arena: MeshArena, features: frozenset[str]) -> tuple[str, ...]:
+    """The streams a forward variant with these features fetches."""
+    wanted = ["position", "normal"]
+    if "normal_map" in features:
+        wanted.append("tangent")
+    if "uv0" in arena.layout:
+        wanted.append("uv0")
+    if "uv1" in features:
+        wanted.append("uv1")
+    if "vertex_color" in features:
+        wanted.append("color")
+    return tuple(wanted)
+
+
+def batch_pipeline_key(batch: Batch) -> tuple[object, ...]:
+    state = batch.state
+    return (state.effect, state.features, state.arena, state.topology, state.cull, state.front_ccw, state.blended)
+
+
+PipelineCache = dict[tuple[object, ...], Pipeline]

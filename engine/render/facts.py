@@ -1,0 +1,30 @@
+"""SceneFacts: what this scene has, in this view. Hashable: the frame graph and the shader variants are chosen by it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class SceneFacts:
+    """Counts are reduced to what changes the frame, so that a moving camera does not recompile anything."""
+
+    opaque: bool
+    transparent: bool
+    lights: bool
+    environment: bool
+    background: bool
+    tone_map: str
+    samples: int
+    debug_view: str
+    force_all: bool = False
+
+    def variant_defines(self) -> dict[str, int]:
+        """The macros of the surface shaders: absent light costs nothing. With `force_all` every branch is in."""
+        from engine.render.settings import DEBUG_VIEWS
+
+        return {
+            "ENVIRONMENT": int(self.environment or self.force_all),
+            "PUNCTUAL_LIGHTS": int(self.lights or self.force_all),
+            "DEBUG_VIEW": DEBUG_VIEWS.index(self.debug_view),
+        }

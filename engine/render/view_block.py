@@ -1,0 +1,60 @@
+"""The uniform block that every shader sees, generated from one declaration."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.gpu.glsl_layout import Field, layout
+from engine.render.view import View
+
+VIEW_LAYOUT = layout(
+    [
+        Field("clip_from_origin", "mat4"),  # origin-relative world -> clip
+        Field("view_from_origin", "mat4"),  # origin-relative world -> view
+        Field("camera", "vec4"),  # perspective: xyz = position rel. to the origin, w = 1; else direction back, w = 0
+        Field("ray_center", "vec4"),  # the view ray at the middle of the picture, world
+        Field("ray_right", "vec4"),  # added to it per ndc x
+        Field("ray_up", "vec4"),  # added to it per ndc y
+        Field("environment", "vec4"),  # cos, sin of the rotation, intensity, mips
+        Field("sh", "vec4", 9),  # irradiance / pi as SH
+        Field("size", "vec4"),  # width, height, 1/width, 1/height
+        Field("counts", "uvec4"),  # lights
+    ],
+    rule="std140",
+)
+
+
+def fill_view_block(
+    view: View, origin: NDArray[np.float64], irradiance_sh: NDArray[np.float32], environment_mips: int,
+    environment_intensity: float, environment_rotation: float, light_count: int,
+) -> NDArray[np.void]:  # fmt: skip
+    """One row of VIEW_LAYOUT. `environment_rotation` in radians."""
+    camera = view.camera
+    world_from_camera = camera.world_from_camera
+    origin_from_camera = world_from_camera.copy()
+    origin_from_camera[:3, 3] -= origin
+    view_from_origin = np.linalg.inv(origin_from_camera)
+    clip_from_view = camera.clip_from_view(view.aspect)
+    row = np.zeros((), VIEW_LAYOUT.dtype)
+    row["clip_from_origin"] = (clip_from_view @ view_from_origin).T
+    row["view_from_origin"] = view_from_origin.T
+    right, up, back = world_from_camera[:3, 0], world_from_camera[:3, 1], world_from_camera[:3, 2]
+    if camera.ymag > 0.0:
+        row["camera"] = (*back, 0.0)
+        row["ray_center"] = (*-back, 0.0)
+    else:
+        half_height = math.tan(camera.yfov / 2)
+        row["camera"] = (*origin_from_camera[:3, 3], 1.0)
+        row["ray_center"] = (*-back, 0.0)
+        row["ray_right"] = (*(right * half_height * view.aspect), 0.0)
+        row["ray_up"] = (*(up * half_height), 0.0)
+    row["environment"] = (
+        math.cos(environment_rotation), math.sin(environment_rotation), environment_intensity, environment_mips,
+    )  # fmt: skip
+    row["sh"] = irradiance_sh
+    row["size"] = (view.width, view.height, 1.0 / view.width, 1.0 / view.height)
+    row["counts"] = (light_count, 0, 0, 0)
+    return row

@@ -1,0 +1,127 @@
+"""MaterialStore: a row per material in its effect's table, the texture arrays it reads, its queue.
+
+A draw's *texture group* is the (array, sampler) per slot of its effect; materials that share a group draw together and
+differ only in their rows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from engine.assets.material import MaterialAsset, TextureRef
+from engine.gpu.types import Buffer, Device, Sampler, SamplerDesc, Texture
+from engine.materials.effect import Effect
+from engine.materials.table import MaterialTable
+from engine.resources.texture_pool import PooledTexture, TexturePool
+
+#: texture group: (array, sampler id) per slot
+GroupKey = tuple[tuple[int, int], ...]
+
+
+@dataclass(slots=True)
+class MaterialRecord:
+    """What the renderer needs to know of a material. `row`: its row in the effect's table."""
+
+    asset: MaterialAsset
+    effect: Effect
+    row: int
+    group: int
+    path: str = ""
+
+
+@dataclass(slots=True)
+class _EffectRows:
+    effect: Effect
+    table: MaterialTable
+    buffer: Buffer | None = None
+    uploaded_rev: int = -1
+
+
+@dataclass(slots=True)
+class MaterialStore:
+    """All materials of a runtime; ids are indices into `records`."""
+
+    device: Device
+    pool: TexturePool
+    anisotropy: float = 8.0
+    records: list[MaterialRecord] = field(default_factory=list)
+    #: counts every change that can alter a draw's pipeline or group (not mere values)
+    structure_rev: int = 0
+    _effects: dict[str, _EffectRows] = field(default_factory=dict)
+    _groups: dict[GroupKey, int] = field(default_factory=dict)
+    _group_list: list[GroupKey] = field(default_factory=list)
+    _samplers: list[Sampler] = field(default_factory=list)
+    _sampler_ids: dict[SamplerDesc, int] = field(default_factory=dict)
+
+    def add(
+        self, asset: MaterialAsset, effect: Effect, textures: Mapping[str, PooledTexture], path: str = ""
+    ) -> int:
+        """Add a material whose slots read `textures` (every slot of the effect must be there); returns its id."""
+        rows = self._effects.get(effect.name)
+        if rows is None:
+            rows = self._effects[effect.name] = _EffectRows(effect, MaterialTable(effect))
+        row = rows.table.add(asset, {slot: pooled.layer for slot, pooled in textures.items()})
+        key = tuple(
+            (textures[slot.name].array, self._sampler(asset.textures.get(slot.name))) for slot in effect.textures
+        )
+        group = self._groups.setdefault(key, len(self._group_list))
+        if group == len(self._group_list):
+            self._group_list.append(key)
+        self.records.append(MaterialRecord(asset, effect, row, group, path))
+        self.structure_rev += 1
+        return len(self.records) - 1
+
+    def set_param(self, material: int, name: str, value: Any) -> None:
+        """Set a parameter: the next frame shows it. Raises UsageError for an unknown name or a bad value."""
+        record = self.records[material]
+        self._effects[record.effect.name].table.set_param(record.row, name, value)
+        record.asset.params[name] = value
+
+    def get_param(self, material: int, name: str) -> Any:
+        """The value as the material has it, or the effect's default."""
+        record = self.records[material]
+        if name in record.asset.params:
+            return record.asset.params[name]
+        return next(p.default for p in record.effect.params if p.name == name)
+
+    def buffer(self, effect: str) -> Buffer:
+        """The GPU rows of `effect`, uploaded if they changed."""
+        rows = self._effects[effect]
+        data = rows.table.rows
+        if rows.buffer is None or rows.buffer.size < data.nbytes:
+            if rows.buffer is not None:
+                rows.buffer.release()
+            rows.buffer = self.device.buffer(data.nbytes, label=f"materials {effect}")
+            rows.uploaded_rev = -1
+        if rows.uploaded_rev != rows.table.rev:
+            rows.buffer.write(data)
+            rows.uploaded_rev = rows.table.rev
+        return rows.buffer
+
+    def bindings(self, group: int) -> dict[int, tuple[Texture, Sampler]]:
+        """Texture unit -> (array, sampler) of a texture group."""
+        return {
+            unit: (self.pool.texture(array), self._samplers[sampler])
+            for unit, (array, sampler) in enumerate(self._group_list[group])
+        }
+
+    def release(self) -> None:
+        for rows in self._effects.values():
+            if rows.buffer is not None:
+                rows.buffer.release()
+        self._effects.clear()
+        self.records.clear()
+
+    def _sampler(self, ref: TextureRef | None) -> int:
+        ref = ref or TextureRef("")
+        desc = SamplerDesc(
+            ref.wrap_u, ref.wrap_v, "clamp", ref.min_filter, ref.mag_filter,
+            # anisotropy only where the author asked for full trilinear: otherwise it would smooth "nearest" away
+            min(self.anisotropy, self.device.caps.max_anisotropy) if ref.min_filter == "linear_mip_linear" else 1.0,
+        )  # fmt: skip
+        if desc not in self._sampler_ids:
+            self._sampler_ids[desc] = len(self._samplers)
+            self._samplers.append(self.device.sampler(desc))
+        return self._sampler_ids[desc]

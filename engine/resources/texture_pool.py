@@ -1,0 +1,100 @@
+"""TexturePool: textures of one format, size and mip count share one array texture, so that batches do not split."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from engine.assets.texture import TextureAsset
+from engine.gpu.types import Device, Texture, TextureDesc
+
+#: (format, width, height, mips)
+ArrayKey = tuple[str, int, int, int]
+
+
+@dataclass(frozen=True, slots=True)
+class PooledTexture:
+    """A layer of an array. `array` indexes TexturePool.arrays; arrays may be reallocated, their index stays."""
+
+    array: int
+    layer: int
+
+
+@dataclass(slots=True)
+class _Array:
+    key: ArrayKey
+    texture: Texture
+    used: int
+
+
+def array_key(asset: TextureAsset) -> ArrayKey:
+    return (asset.format, asset.width, asset.height, asset.mip_count)
+
+
+class TexturePool:
+    """Arrays grow by doubling (a copy on the GPU); `reserve` avoids that where the need is known."""
+
+    def __init__(self, device: Device) -> None:
+        self._device = device
+        self._arrays: list[_Array] = []
+        self._open: dict[ArrayKey, int] = {}
+
+    def texture(self, array: int) -> Texture:
+        return self._arrays[array].texture
+
+    @property
+    def byte_size(self) -> int:
+        return self._bytes
+
+    _bytes = 0
+
+    def reserve(self, assets: Sequence[TextureAsset]) -> None:
+        """Make room for these at once, so that each array is allocated one time."""
+        wanted: dict[ArrayKey, int] = {}
+        for asset in assets:
+            wanted[array_key(asset)] = wanted.get(array_key(asset), 0) + asset.layers
+        for key, count in wanted.items():
+            self._room(key, count)
+
+    def add(self, asset: TextureAsset) -> PooledTexture:
+        """Upload the first layer of a 2D texture with all its mips."""
+        key = array_key(asset)
+        index = self._room(key, 1)
+        entry = self._arrays[index]
+        layer = entry.used
+        for level, data in enumerate(asset.levels[0]):
+            entry.texture.write(data, level=level, layer=layer)
+            self._bytes += len(data)
+        entry.used += 1
+        return PooledTexture(index, layer)
+
+    def release(self) -> None:
+        for entry in self._arrays:
+            entry.texture.release()
+        self._arrays.clear()
+        self._open.clear()
+
+    def _room(self, key: ArrayKey, count: int) -> int:
+        """The index of an array of this key with room for `count` more layers (or as many as the device allows)."""
+        limit = self._device.caps.max_array_layers
+        index = self._open.get(key)
+        if index is not None:
+            entry = self._arrays[index]
+            capacity = entry.texture.desc.layers
+            if entry.used + count <= capacity:
+                return index
+            if entry.used + count <= limit:
+                bigger = self._allocate(key, min(limit, max(entry.used + count, 2 * capacity)))
+                self._device.copy_texture(entry.texture, bigger, entry.used)
+                entry.texture.release()
+                entry.texture = bigger
+                return index
+        self._arrays.append(_Array(key, self._allocate(key, min(limit, max(1, count))), 0))
+        self._open[key] = len(self._arrays) - 1
+        return len(self._arrays) - 1
+
+    def _allocate(self, key: ArrayKey, layers: int) -> Texture:
+        format, width, height, mips = key
+        return self._device.texture(
+            TextureDesc(format, width, height, "2d-array", layers=layers, mips=mips, label=f"pool {format} {width}")
+        )

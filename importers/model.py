@@ -1,0 +1,64 @@
+"""ImportedModel: what every importer yields, in memory and without a trace of the source's format."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from engine.assets.clip import ClipAsset
+from engine.assets.material import MaterialAsset
+from engine.assets.mesh import MeshAsset
+from engine.assets.scene import NodeAsset
+from engine.core.findings import Findings
+
+
+@dataclass(slots=True)
+class SourceImage:
+    """An image of the source, still encoded. `data` is None where it could not be had (a finding says why).
+
+    `path`: where it is in the source (`images[2]`), for findings.
+    """
+
+    name: str
+    data: Callable[[], bytes | None]
+    path: str
+
+
+@dataclass(frozen=True, slots=True)
+class TextureUse:
+    """Which image a slot shows, and as what: the role (color, normal, metal_rough, occlusion) picks the encoding."""
+
+    image: int
+    role: str
+
+
+@dataclass(slots=True)
+class ImportedMaterial:
+    """A material whose TextureRefs have no path yet; `images` maps each of its slots to an image and a role.
+
+    A slot without an entry in `images` stays without a path: wanted but missing."""
+
+    asset: MaterialAsset
+    images: dict[str, TextureUse] = field(default_factory=dict)
+
+
+@dataclass(slots=True)
+class ImportedModel:
+    """A whole source. `slots[m][s]` is the material index of slot s of mesh m, -1 for the default material.
+
+    Nodes name meshes by MeshRef.index into `meshes`; MeshRef.file and .materials are filled in by `convert`.
+    Nodes stand with parents before children. `summary` holds counts of the source for `lucarna inspect`.
+    """
+
+    name: str
+    findings: Findings
+    meshes: list[MeshAsset] = field(default_factory=list)
+    slots: list[list[int]] = field(default_factory=list)
+    materials: list[ImportedMaterial] = field(default_factory=list)
+    images: list[SourceImage] = field(default_factory=list)
+    nodes: list[NodeAsset] = field(default_factory=list)
+    clips: list[ClipAsset] = field(default_factory=list)
+    active_camera: int = -1
+    dependencies: list[Path] = field(default_factory=list)
+    summary: dict[str, object] = field(default_factory=dict)

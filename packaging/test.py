@@ -1,0 +1,101 @@
+"""The whole check, as CI runs it: `python3 packaging/test.py [pytest's arguments]`.
+
+Format, lint, types, layers, tests, in this order; all of them run even if one fails. The exit code is 1 if any failed.
+The tests run on the software rasteriser and, where there is no display, on a virtual one.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import _interpreter  # first of ours: leaves when this Python is too old
+import bootstrap
+
+VIRTUAL_DISPLAY = ["xvfb-run", "-a", "-s", "-screen 0 1400x900x24"]
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    name: str
+    command: list[str]
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    name: str
+    code: int
+    seconds: float
+
+
+def steps(setup: bootstrap.Setup, pytest_arguments: Sequence[str], *, virtual_display: bool) -> list[Step]:
+    python = str(setup.python)
+    # -s: some window systems write past pytest's capture; no: its own capture keeps the report readable
+    pytest = [python, "-m", "pytest", *pytest_arguments]
+    return [
+        Step("format", [python, "-m", "ruff", "format", "--check"]),
+        Step("lint", [python, "-m", "ruff", "check"]),
+        Step("types", [python, "-m", "mypy"]),
+        Step("layers", [setup.script("lint-imports")]),
+        Step("tests", [*(VIRTUAL_DISPLAY if virtual_display else []), *pytest]),
+    ]
+
+
+def wants_virtual_display(environment: Mapping[str, str]) -> bool:
+    return sys.platform.startswith("linux") and not environment.get("DISPLAY") and bool(shutil.which("xvfb-run"))
+
+
+def test_environment(environment: Mapping[str, str]) -> dict[str, str]:
+    """Software rendering, so that every machine compares the same pictures, with compiled shaders kept between runs.
+    What the caller has set stays."""
+    defaults = {
+        "LIBGL_ALWAYS_SOFTWARE": "1",
+        "MESA_SHADER_CACHE_DIR": str(bootstrap.ROOT / ".cache" / "mesa"),
+        "PYTHONUTF8": "1",
+    }
+    return {**defaults, **environment}
+
+
+def run(step: Step, environment: Mapping[str, str]) -> Outcome:
+    print(f"\n== {step.name}: {' '.join(step.command)}", flush=True)
+    start = time.monotonic()
+    try:
+        code = subprocess.run(step.command, cwd=bootstrap.ROOT, env=dict(environment), check=False).returncode
+    except OSError as error:
+        print(f"cannot start: {error}", file=sys.stderr)
+        code = 127
+    return Outcome(step.name, code, time.monotonic() - start)
+
+
+def summary(outcomes: Sequence[Outcome]) -> str:
+    lines = [f"{'step':<8} {'result':<12} {'seconds':>7}"]
+    for outcome in outcomes:
+        result = "ok" if outcome.code == 0 else f"FAILED ({outcome.code})"
+        lines.append(f"{outcome.name:<8} {result:<12} {outcome.seconds:>7.1f}")
+    return "\n".join(lines)
+
+
+def main(arguments: list[str]) -> int:
+    _interpreter.require()
+    try:
+        setup = bootstrap.prepare(extras=("dev",), tests=True)
+    except bootstrap.SetupError as error:
+        bootstrap.say(str(error))
+        return 3
+    environment = test_environment(os.environ)
+    todo = steps(setup, arguments, virtual_display=wants_virtual_display(environment))
+    outcomes = [run(step, environment) for step in todo]
+    print("\n" + summary(outcomes), flush=True)
+    return 1 if any(outcome.code for outcome in outcomes) else 0
+
+
+if __name__ == "__main__":
+    try:
+        sys.exit(main(sys.argv[1:]))
+    except KeyboardInterrupt:
+        sys.exit(130)

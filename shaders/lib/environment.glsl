@@ -1,0 +1,58 @@
+// Image-based light: irradiance from nine spherical-harmonic coefficients, specular from a cube map whose mips are
+// prefiltered with GGX, and the split-sum table (Karis 2013, "Real Shading in Unreal Engine 4", pp. 4-7).
+#include "lib/math.glsl"
+
+layout(binding = 8) uniform samplerCube t_environment;
+layout(binding = 9) uniform sampler2D t_dfg;
+
+// World direction -> direction in the environment, which may be turned about +Y.
+vec3 environment_direction(vec3 d_ws)
+{
+    float c = view.environment.x;
+    float s = view.environment.y;
+    return vec3(c * d_ws.x - s * d_ws.z, d_ws.y, s * d_ws.x + c * d_ws.z);
+}
+
+// Ramamoorthi and Hanrahan 2001, "An Efficient Representation for Irradiance Environment Maps", eq. 13.
+// The coefficients come already multiplied with A_l and divided by pi: a uniform environment of 1 gives 1.
+vec3 environment_irradiance(vec3 n_ws)
+{
+    vec3 n = environment_direction(n_ws);
+    vec3 e = view.sh[0].rgb * 0.282095
+           + view.sh[1].rgb * (0.488603 * n.y)
+           + view.sh[2].rgb * (0.488603 * n.z)
+           + view.sh[3].rgb * (0.488603 * n.x)
+           + view.sh[4].rgb * (1.092548 * n.x * n.y)
+           + view.sh[5].rgb * (1.092548 * n.y * n.z)
+           + view.sh[6].rgb * (0.315392 * (3.0 * n.z * n.z - 1.0))
+           + view.sh[7].rgb * (1.092548 * n.x * n.z)
+           + view.sh[8].rgb * (0.546274 * (n.x * n.x - n.y * n.y));
+    return max(e, vec3(0.0)) * view.environment.z;  // second-order SH of a small bright source rings below zero
+}
+
+vec3 environment_radiance(vec3 d_ws, float perceptual_roughness)
+{
+    float lod = perceptual_roughness * (view.environment.w - 1.0);
+    return textureLod(t_environment, environment_direction(d_ws), lod).rgb * view.environment.z;
+}
+
+// Diffuse and specular reflection of the environment with multiple scattering.
+// Fdez-Aguera 2019, "A Multiple-Scattering Microfacet Model for Real-Time Image Based Lighting", JCGT 8(1), listing 3;
+// a white surface in a uniform environment returns exactly what it receives, at any roughness.
+vec3 environment_lighting(vec3 n, vec3 v, vec3 f0, vec3 diffuse_albedo, float perceptual_roughness, float occlusion)
+{
+    float n_dot_v = clamp(dot(n, v), 1e-4, 1.0);
+    vec2 dfg = textureLod(t_dfg, vec2(n_dot_v, perceptual_roughness), 0.0).rg;
+    vec3 fss_ess = f0 * dfg.x + dfg.y;
+    float ess = dfg.x + dfg.y;
+    float ems = 1.0 - ess;
+    vec3 f_avg = f0 + (1.0 - f0) / 21.0;
+    vec3 fms_ems = fss_ess * f_avg / max(1.0 - f_avg * ems, 1e-4) * ems;
+    vec3 k_d = diffuse_albedo * (1.0 - fss_ess - fms_ems);
+    vec3 irradiance = environment_irradiance(n);
+    vec3 radiance = environment_radiance(reflect(-v, n), perceptual_roughness);
+    // Lagarde and de Rousiers 2014, "Moving Frostbite to PBR", listing 26: occlusion of the specular lobe.
+    float specular_occlusion =
+        sat(pow(n_dot_v + occlusion, exp2(-16.0 * perceptual_roughness - 1.0)) - 1.0 + occlusion);
+    return fss_ess * radiance * specular_occlusion + (fms_ems + k_d) * irradiance * occlusion;
+}
