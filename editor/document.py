@@ -28,6 +28,10 @@ class Document:
         self.history = History(self._write)
         self.selection: tuple[int, ...] = ()
         self.name = resolved.project_name or resolved.source.name
+        #: (table, column, row) -> the value the user gave it: what saving adds to the scene as it was opened
+        self.overrides: dict[tuple[str, str, int], Any] = {}
+        #: where this document was saved in this session, or None
+        self.saved_to: Path | None = None
         self._extent: tuple[tuple[int, int], dict[int, list[int]]] | None = None
 
     @property
@@ -96,7 +100,7 @@ class Document:
     def _instance_box(self, instance: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         instances = self.runtime.scene.instances
         info = self.runtime.residency.mesh(int(instances.mesh[instance]))
-        submesh = info.submeshes[int(instances.submesh[instance])]
+        submesh = info.asset.submeshes[int(instances.submesh[instance])]
         return np.asarray(submesh.bounds_min, dtype=np.float64), np.asarray(submesh.bounds_max, dtype=np.float64)
 
     def _children(self) -> dict[int, list[int]]:
@@ -116,3 +120,5 @@ class Document:
 
     def _write(self, command: Command) -> None:
         self.tables[command.table].write(command.column, command.rows, command.after)
+        for row, value in zip(command.rows, command.after, strict=True):
+            self.overrides[command.table, command.column, row] = value

@@ -32,12 +32,21 @@ def resolve_path(path: Path, progress: Progress, extensions: Sequence[str]) -> R
 
         project = load_project(path)
         root, name, start = Path(project.root), project.name, Path(project.start)
+        edited = root / "scenes" / f"{scene_stem(start)}.scene.json"
+        if edited.is_file():  # what the user saved goes before the source it was made from
+            start = edited
     elif path.is_dir():
         progress(f"Looking through {path.name}", -1.0)
         start = pick_from_folder(path, extensions)
     progress(f"Importing {start.name}", -1.0)
     scene, findings = scene_for(start, settings=ImportSettings(), progress=progress)
     return Resolved(path, Path(scene), root, name, findings)
+
+
+def scene_stem(path: Path) -> str:
+    """`a/fox.glb` and `a/fox.scene.json` -> `fox`."""
+    name = path.name
+    return name.removesuffix(".scene.json") if name.endswith(".scene.json") else path.stem
 
 
 def pick_from_folder(folder: Path, extensions: Sequence[str]) -> Path:

@@ -1,7 +1,7 @@
 """Everything foreign becomes ours here. May import the engine, never the editor; the only home of foreign formats.
 
     registry   extension and content -> Importer          gltf/      glTF 2.0 and GLB, own reader (json + numpy)
-    model      ImportedModel, the neutral in-memory form   geometry/  topology, normals, tangents, weights: numpy kernels
+    model      ImportedModel, the neutral in-memory form   geometry/  topology, normals, tangents, weights
     settings   ImportSettings, presets and limits          textures/  decode, encode to BCn DDS, environment maps
     convert    one source -> our files, all or nothing     cli/       the `lucarna` command
     cache      source -> converted folder, by content

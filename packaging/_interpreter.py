@@ -33,7 +33,7 @@ def require() -> None:
         path = shutil.which(name)
         if path and os.name == "posix":
             os.execv(path, [path, *sys.argv])
-    sys.exit(message(tuple(sys.version_info)))
+    sys.exit(message(tuple(sys.version_info[:2])))
 
 
 require()

@@ -192,6 +192,11 @@ def ensure_system(*, tests: bool) -> list[system_libraries.Requirement]:
     return lacking
 
 
+def has_display() -> bool:
+    """Whether a window can open here."""
+    return system_libraries.has_display()
+
+
 def root_prefix() -> list[str] | None:
     """How to run a command as root without a question: [] as root, sudo's words, or None when we cannot."""
     if not hasattr(os, "geteuid"):

@@ -77,7 +77,7 @@ def main(arguments: list[str]) -> int:
         code = lucarna(setup, ["new", str(sample)])
         if code:
             return code
-    if bootstrap.system_libraries.has_display() and sys.platform != "darwin":
+    if bootstrap.has_display() and sys.platform != "darwin":
         return become(setup, ["edit", str(sample)])
     return render_sample(setup, sample)
 

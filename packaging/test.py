@@ -35,14 +35,12 @@ class Outcome:
 
 def steps(setup: bootstrap.Setup, pytest_arguments: Sequence[str], *, virtual_display: bool) -> list[Step]:
     python = str(setup.python)
-    # -s: some window systems write past pytest's capture; no: its own capture keeps the report readable
-    pytest = [python, "-m", "pytest", *pytest_arguments]
     return [
         Step("format", [python, "-m", "ruff", "format", "--check"]),
         Step("lint", [python, "-m", "ruff", "check"]),
         Step("types", [python, "-m", "mypy"]),
         Step("layers", [setup.script("lint-imports")]),
-        Step("tests", [*(VIRTUAL_DISPLAY if virtual_display else []), *pytest]),
+        Step("tests", [*(VIRTUAL_DISPLAY if virtual_display else []), python, "-m", "pytest", *pytest_arguments]),
     ]
 
 

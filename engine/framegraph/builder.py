@@ -53,18 +53,18 @@ class Builder:
         self.declaration = Declaration(name)
         self.facts = facts
         self.view_size = view_size
-        self._resources = resources
+        self.resources = resources
         self._errors = errors
 
     def create(
         self, name: str, format: str, *, scale: float = 1.0, size: tuple[int, int] | None = None,
-        kind: str = "2d", mips: int = 1, layers: int = 1,
+        kind: str = "2d", mips: int = 1, layers: int = 1, samples: int = 1,
     ) -> None:  # fmt: skip
         """A new transient texture, of `size` pixels or `scale` times the view (rounded up); `mips` 0 = full chain.
 
         Its content is undefined: this pass must write all of it or clear it.
         """
-        spec = TextureSpec(format, scale, size, kind, mips, layers)
+        spec = TextureSpec(format, scale, size, kind, mips, layers, samples)
         self._errors += [f"pass {self.declaration.name!r}: {name!r} {problem}" for problem in spec.problems()]
         if self._new(name, Resource(name, spec, creator=self.declaration.name)):
             _once(self.declaration.creates, name)
@@ -81,11 +81,11 @@ class Builder:
 
     def read(self, name: str, *, optional: bool = False) -> bool:
         """Read the last version written before this pass. With `optional`, returns False when there is none."""
-        if optional and name not in self._resources:
+        if optional and name not in self.resources:
             _once(self.declaration.optional, name)
             return False
         _once(self.declaration.reads, name)
-        return name in self._resources
+        return name in self.resources
 
     def write(self, name: str) -> None:
         """Write over the last version (which is kept where this pass does not write): makes a new version."""
@@ -108,14 +108,14 @@ class Builder:
         self.declaration.side_effect = True
 
     def _new(self, name: str, resource: Resource) -> bool:
-        other = self._resources.get(name)
+        other = self.resources.get(name)
         if other is not None:
             self._errors.append(
                 f"pass {self.declaration.name!r}: creates {name!r}, but pass {other.creator!r} did already"
                 " (write to it instead, or give it another name)"
             )
             return False
-        self._resources[name] = resource
+        self.resources[name] = resource
         return True
 
 

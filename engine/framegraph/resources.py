@@ -5,13 +5,15 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from engine.assets.texture import FORMATS, level_size, mip_extent
+from engine.gpu.formats import DEPTH, RENDERABLE, texture_bytes
 from engine.gpu.types import TextureDesc
+
+__all__ = ["FORMATS", "KINDS", "TextureSpec", "human_bytes", "texture_bytes"]
 
 KINDS = ("2d", "2d-array", "cube", "3d")
 
-#: bytes per texel of the formats that only targets have
-TARGET_BYTES = {"rg11b10f": 4, "rgb10a2": 4, "r32ui": 4, "rg32ui": 8, "d32f": 4}
+#: what a pass can write
+FORMATS = RENDERABLE | DEPTH
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,6 +21,7 @@ class TextureSpec:
     """What a pass asks for. `size` in pixels, or (when None) `scale` times the view's size, rounded up.
 
     `mips` 0 means the full chain. `layers` counts array layers, 6 for a cube, the depth of a 3d texture.
+    `samples` > 1 makes it multisampled.
     """
 
     format: str
@@ -27,12 +30,15 @@ class TextureSpec:
     kind: str = "2d"
     mips: int = 1
     layers: int = 1
+    samples: int = 1
 
     def problems(self) -> list[str]:
         """What is wrong with this spec, in words; empty when nothing is."""
         found = []
-        if self.format not in FORMATS and self.format not in TARGET_BYTES:
-            found.append(f"has the unknown format {self.format!r}")
+        if self.format not in FORMATS:
+            found.append(
+                f"has the format {self.format!r}, which is no target; expected one of {', '.join(sorted(FORMATS))}"
+            )
         if self.kind not in KINDS:
             found.append(f"has the unknown kind {self.kind!r}; expected one of {', '.join(KINDS)}")
         if self.size is None and not (math.isfinite(self.scale) and self.scale > 0.0):
@@ -41,6 +47,8 @@ class TextureSpec:
             found.append(f"has the size {self.size[0]}x{self.size[1]}; expected at least 1x1")
         if self.mips < 0 or self.layers < 1:
             found.append(f"has {self.mips} mips and {self.layers} layers; expected mips >= 0, layers >= 1")
+        if self.samples < 1 or (self.samples > 1 and (self.kind != "2d" or self.mips != 1)):
+            found.append(f"has {self.samples} samples; several need the kind 2d and one mip")
         return found
 
     def resolve(self, view_size: tuple[int, int], label: str = "") -> TextureDesc:
@@ -54,21 +62,8 @@ class TextureSpec:
         full = max(width, height, depth).bit_length()
         return TextureDesc(
             format=self.format, width=width, height=height, kind=self.kind, layers=layers, depth=depth,
-            mips=min(self.mips, full) if self.mips else full, label=label,
+            mips=min(self.mips, full) if self.mips else full, samples=self.samples, label=label,
         )  # fmt: skip
-
-
-def texture_bytes(desc: TextureDesc) -> int:
-    """Bytes of all mips, layers and samples of a texture (tightly packed; drivers may pad)."""
-    total = 0
-    for level in range(desc.mips):
-        width, height = mip_extent(desc.width, level), mip_extent(desc.height, level)
-        depth = mip_extent(desc.depth, level)
-        if desc.format in TARGET_BYTES:
-            total += width * height * depth * TARGET_BYTES[desc.format]
-        else:
-            total += level_size(desc.format, width, height, depth)
-    return total * desc.layers * desc.samples
 
 
 def human_bytes(count: int) -> str:

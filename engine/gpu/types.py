@@ -104,7 +104,8 @@ class Texture(Protocol):
 class Sampler(Protocol):
     desc: SamplerDesc
 
-    def release(self) -> None: ...
+    def release(self) -> None:
+        """Nothing happens: samplers are shared and few, and live as long as the device."""
 
 
 # --- pipelines -----------------------------------------------------------------------------------------------------
@@ -195,7 +196,8 @@ class Pipeline(Protocol):
         """Size in bytes that the linked program gives to uniform or storage block `name` (a trailing unsized array
         counts as one element); -1 when it has no such active block, and always on the null device."""
 
-    def release(self) -> None: ...
+    def release(self) -> None:
+        """Equal descs share one pipeline; it goes when everyone who asked for it has released it."""
 
 
 # --- passes --------------------------------------------------------------------------------------------------------

@@ -17,7 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.gpu.types import Buffer, Device, Pipeline
+from engine.gpu.types import Buffer, Device
+from engine.materials.effect import Effect
 from engine.materials.table import resolve_features
 from engine.resources.arena import MeshArena
 from engine.resources.residency import Residency
@@ -90,6 +91,11 @@ class DrawList:
         self._solid = _empty_template()
         self._solid_batches: list[tuple[int, int]] = []
         self._glass = _empty_template()
+
+    @property
+    def has_blended(self) -> bool:
+        """Whether the scene has any blended surface, seen or not: facts must not change as the camera turns."""
+        return len(self._glass.row_order) > 0
 
     # --- structure ---
 
@@ -253,23 +259,15 @@ def _fit(device: Device, buffer: Buffer, data: NDArray[np.generic]) -> Buffer:
     return buffer
 
 
-def arena_streams(arena: MeshArena, features: frozenset[str]) -> tuple[str, ...]:
-    """The streams a forward variant with these features fetches."""
+def arena_streams(arena: MeshArena, effect: Effect, features: frozenset[str]) -> tuple[str, ...]:
+    """The streams that a forward variant with these features fetches: nothing that no one reads."""
     wanted = ["position", "normal"]
     if "normal_map" in features:
         wanted.append("tangent")
-    if "uv0" in arena.layout:
+    if "uv0" in arena.layout and any(f.implied_by for name, f in effect.features.items() if name in features):
         wanted.append("uv0")
     if "uv1" in features:
         wanted.append("uv1")
     if "vertex_color" in features:
         wanted.append("color")
     return tuple(wanted)
-
-
-def batch_pipeline_key(batch: Batch) -> tuple[object, ...]:
-    state = batch.state
-    return (state.effect, state.features, state.arena, state.topology, state.cull, state.front_ccw, state.blended)
-
-
-PipelineCache = dict[tuple[object, ...], Pipeline]

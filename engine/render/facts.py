@@ -17,6 +17,7 @@ class SceneFacts:
     tone_map: str
     samples: int
     debug_view: str
+    hdr_output: bool = False
     force_all: bool = False
 
     def variant_defines(self) -> dict[str, int]:

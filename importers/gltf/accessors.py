@@ -94,14 +94,11 @@ class Accessors:
             values = np.zeros((count, rows * columns), dtype)
         else:
             offset = doc.integer(accessor, "byteOffset", where, 0)
-            data = self._view(view, offset, count, size, dtype.itemsize, f"{where}.bufferView")
-            if data is None:
+            located = self._locate(view, offset, count, size, dtype.itemsize, f"{where}.bufferView")
+            if located is None:
                 return None
-            stride = data.strides[0]
-            values = np.ndarray(
-                (count, columns, rows), dtype, data.tobytes() if data.flags.c_contiguous is False else data.data,
-                0, (size if not data.flags.c_contiguous else stride, column_size, dtype.itemsize),
-            ).reshape(count, rows * columns)  # fmt: skip
+            strides = (located[1], column_size, dtype.itemsize)
+            values = np.ndarray((count, columns, rows), dtype, located[0], 0, strides).reshape(count, rows * columns)
         if "sparse" in accessor:
             values = self._apply_sparse(values, accessor, where)
         return values
@@ -140,10 +137,10 @@ class Accessors:
             return None
         return buffer, start, length, stride
 
-    def _view(
+    def _locate(
         self, index: int, offset: int | None, count: int, size: int, alignment: int, where: str
-    ) -> NDArray[np.uint8] | None:
-        """`count` elements of `size` bytes as u1[count, size], strided over the buffer."""
+    ) -> tuple[memoryview, int] | None:
+        """The bytes from the first of `count` elements of `size` bytes on, and the stride; proven to fit the view."""
         bounds = self._view_bounds(index, where)
         if bounds is None or offset is None:
             return None
@@ -163,10 +160,7 @@ class Accessors:
             return None
         if (start + offset) % alignment or stride % alignment:
             self.findings.warn("gltf.alignment", f"the data is not aligned to {alignment} bytes", place)
-        flat = np.frombuffer(buffer, np.uint8)
-        return np.lib.stride_tricks.as_strided(
-            flat[start + offset :], (count, size), (stride, 1), writeable=False
-        )  # proven to fit above
+        return buffer[start + offset : start + end], stride
 
     def _apply_sparse(self, base: Array, accessor: dict[str, Any], where: str) -> Array | None:
         doc, place = self._document, f"{where}.sparse"
@@ -181,20 +175,22 @@ class Accessors:
         if kind not in ("<u1", "<u2", "<u4"):
             self.findings.error("gltf.sparse", "the sparse indices are no unsigned integers", f"{place}.indices")
             return base
-        parts: list[NDArray[np.uint8]] = []
-        for owner, name, size in ((indices_of, "indices", np.dtype(kind).itemsize), (values_of, "values", base.itemsize)):
+        parts: list[Array] = []
+        for owner, name, dtype, width in (
+            (indices_of, "indices", np.dtype(kind), 1),
+            (values_of, "values", base.dtype, base.shape[1]),
+        ):
             view = doc.integer(owner, "bufferView", f"{place}.{name}")
             offset = doc.integer(owner, "byteOffset", f"{place}.{name}", 0)
-            width = size if name == "indices" else size * base.shape[1]
             if view is None:
                 self.findings.error("gltf.sparse", "no buffer view is named", f"{place}.{name}")
                 return base
-            data = self._view(view, offset, count, width, size, f"{place}.{name}.bufferView")
-            if data is None:
+            size = dtype.itemsize * width
+            located = self._locate(view, offset, count, size, dtype.itemsize, f"{place}.{name}.bufferView")
+            if located is None:
                 return base
-            parts.append(np.ascontiguousarray(data))
-        indices = parts[0].reshape(-1).view(kind).astype(np.int64)
-        values = parts[1].reshape(-1).view(base.dtype).reshape(count, base.shape[1])
+            parts.append(np.ndarray((count, width), dtype, located[0], 0, (located[1], dtype.itemsize)))
+        indices, values = parts[0][:, 0].astype(np.int64), parts[1]
         inside = indices < len(base)
         if not inside.all():
             self.findings.error(

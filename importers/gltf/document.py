@@ -76,9 +76,10 @@ class Document:
         if value is None:
             return default
         if not isinstance(value, str):
-            self._wrong(f"{path}.{key}", "a string", value)
+            self._wrong(f"{path}.{key}" if path else key, "a string", value)
             return default
-        return value
+        # JSON may hold half a surrogate pair, which no file can store
+        return value.encode("utf-8", "replace").decode("utf-8")
 
     def choice(self, owner: JsonObject, key: str, path: str, choices: Sequence[str], default: str) -> str:
         value = self.text(owner, key, path, default)

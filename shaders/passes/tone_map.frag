@@ -1,15 +1,18 @@
-// HDR scene-linear -> exposure -> tone map -> sRGB bytes.
+// HDR scene-linear -> exposure -> tone map -> mean of the samples -> sRGB bytes.
 #include "lib/color.glsl"
 #include "lib/math.glsl"
 #include "lib/tone_map.glsl"
 
 layout(location = 0) in vec2 v_uv;
+#if SAMPLES > 1
+layout(binding = 10) uniform sampler2DMS t_hdr;
+#else
 layout(binding = 10) uniform sampler2D t_hdr;
+#endif
 layout(location = 0) out vec4 o_color;
 
-void main()
+vec4 display(vec4 hdr)
 {
-    vec4 hdr = texelFetch(t_hdr, ivec2(gl_FragCoord.xy), 0);
     vec3 c = sanitise(hdr.rgb) * tone_map.exposure_scale;
 #if TONE_MAP == 1
     c = tone_map_agx(c);
@@ -18,5 +21,14 @@ void main()
 #elif TONE_MAP == 3
     c = tone_map_neutral(c);
 #endif
-    o_color = vec4(srgb_from_linear(c), sat(hdr.a));
+    return vec4(clamp(c, 0.0, 1.0), sat(hdr.a));
+}
+
+void main()
+{
+    // With multisampling `s` is the sample, without it the only mip level: 0.
+    vec4 sum = vec4(0.0);
+    for (int s = 0; s < SAMPLES; ++s) sum += display(texelFetch(t_hdr, ivec2(gl_FragCoord.xy), s));
+    sum *= 1.0 / float(SAMPLES);
+    o_color = vec4(srgb_from_linear(sum.rgb), sum.a);
 }

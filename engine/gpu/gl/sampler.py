@@ -34,3 +34,9 @@ class GlSampler(GlObject):
             parameter(self.id, e.TEXTURE_COMPARE_MODE, e.COMPARE_REF_TO_TEXTURE)
             parameter(self.id, e.TEXTURE_COMPARE_FUNC, e.COMPARE[desc.compare])
         device.counters.api_calls += 8
+
+    def release(self) -> None:
+        """Nothing: samplers are shared by all who ask for an equal one, and live as long as the device."""
+
+    def destroy(self) -> None:
+        super().release()

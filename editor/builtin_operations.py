@@ -1,0 +1,213 @@
+"""The operations that come with the editor, menu by menu."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+from editor import camera_controls
+from editor.navigation import PRESETS
+from editor.operations import Operation, Operations
+from editor.session import Session
+
+
+def _has_document(session: Session) -> bool:
+    return session.document is not None
+
+
+def _has_selection(session: Session) -> bool:
+    return session.document is not None and bool(session.document.selection)
+
+
+def _can_undo(session: Session) -> bool:
+    return session.document is not None and bool(session.document.history.undo_label)
+
+
+def _can_redo(session: Session) -> bool:
+    return session.document is not None and bool(session.document.history.redo_label)
+
+
+def _can_play(session: Session) -> bool:
+    return session.playback.available
+
+
+def _ask(name: str) -> Callable[[Session], None]:
+    def run(session: Session) -> None:
+        setattr(session.ui, name, True)
+
+    return run
+
+
+def _toggle_preference(name: str) -> tuple[Callable[[Session], None], Callable[[Session], bool]]:
+    def run(session: Session) -> None:
+        setattr(session.preferences, name, not getattr(session.preferences, name))
+        session.remember()
+
+    def checked(session: Session) -> bool:
+        return bool(getattr(session.preferences, name))
+
+    return run, checked
+
+
+def _view(side: str) -> Callable[[Session], None]:
+    def run(session: Session) -> None:
+        session.camera = camera_controls.along(session.camera, side)
+
+    return run
+
+
+def _keymap(preset: str) -> tuple[Callable[[Session], None], Callable[[Session], bool]]:
+    def run(session: Session) -> None:
+        session.preferences.keymap = preset
+        session.remember()
+
+    def checked(session: Session) -> bool:
+        return session.preferences.keymap == preset
+
+    return run, checked
+
+
+def _scale(step: float) -> Callable[[Session], None]:
+    def run(session: Session) -> None:
+        scale = session.preferences.ui_scale + step if step else 1.0
+        session.preferences.ui_scale = min(max(round(scale, 2), 0.75), 3.0)
+        session.ui.scale_changed = True
+        session.remember()
+
+    return run
+
+
+def close_document(session: Session) -> None:
+    if session.document is not None and session.document.dirty:
+        session.ui.after_discard = session.close
+    else:
+        session.close()
+
+
+def reload_document(session: Session) -> None:
+    if session.document is not None:
+        session.open(Path(session.document.source))
+
+
+def hide_selection(session: Session) -> None:
+    document = session.document
+    if document is None or not document.selection:
+        return
+    visible = document.tables["nodes"].read("visible", document.selection)
+    session.set_visible(document.selection, not any(visible))
+
+
+def show_all(session: Session) -> None:
+    document = session.document
+    if document is None:
+        return
+    nodes = document.runtime.scene.nodes
+    hidden = [row for row in range(len(nodes.name)) if nodes.alive[row] and not nodes.visible[row]]
+    if hidden:
+        session.set_visible(hidden, True)
+
+
+def select_parent(session: Session) -> None:
+    document = session.document
+    if document is not None and document.primary >= 0:
+        parent = int(document.runtime.scene.nodes.parent[document.primary])
+        if parent >= 0:
+            document.select(parent)
+
+
+def quit_editor(session: Session) -> None:
+    if session.request_quit():
+        session.ui.quit = True
+
+
+def _step(frames: int) -> Callable[[Session], None]:
+    def run(session: Session) -> None:
+        session.playback.step(frames)
+        session.seek(session.playback.time)
+
+    return run
+
+
+def _toggle_loop(session: Session) -> None:
+    session.playback.loop = not session.playback.loop
+
+
+
+def _save_as(session: Session) -> None:
+    session.ui.save_dialog = True
+
+
+def _screenshot(session: Session) -> None:
+    from editor.screenshot import save_viewport
+
+    save_viewport(session)
+
+
+def _deselect(session: Session) -> None:
+    if session.document is not None:
+        session.document.select(-1)
+
+
+def builtin_operations() -> Operations:
+    """A registry with everything below."""
+    ops = Operations()
+    doc, sel = _has_document, _has_selection
+
+    def add(id: str, label: str, run: Callable[[Session], None], *keys: str, menu: str = "",
+            enabled: Callable[[Session], bool] | None = None,
+            checked: Callable[[Session], bool] | None = None, separator: bool = False, about: str = "") -> None:  # fmt: skip
+        extra = {} if enabled is None else {"enabled": enabled}
+        ops.add(Operation(id, label, run, menu, keys, checked=checked, separator=separator, doc=about, **extra))
+
+    add("file.open", "Open…", _ask("open_dialog"), "Ctrl+O", menu="File", about="A project, folder, scene or model")
+    add("file.reload", "Reload", reload_document, "Ctrl+R", menu="File", enabled=doc)
+    add("file.close", "Close", close_document, "Ctrl+W", menu="File", enabled=doc)
+    add("file.save", "Save", lambda s: void(s.save()), "Ctrl+S", menu="File", enabled=doc, separator=True)
+    add("file.save-as", "Save as…", _save_as, "Ctrl+Shift+S", menu="File", enabled=doc)
+    add("file.screenshot", "Save viewport picture", _screenshot, "F12", menu="File", enabled=doc, separator=True)
+    add("file.quit", "Quit", quit_editor, "Ctrl+Q", menu="File", separator=True)
+
+    add("edit.undo", "Undo", Session.undo, "Ctrl+Z", menu="Edit", enabled=_can_undo)
+    add("edit.redo", "Redo", Session.redo, "Ctrl+Y", "Ctrl+Shift+Z", menu="Edit", enabled=_can_redo)
+    add("edit.hide", "Hide or show selection", hide_selection, "H", menu="Edit", enabled=sel, separator=True)
+    add("edit.show-all", "Show all", show_all, "Alt+H", menu="Edit", enabled=doc)
+    add("edit.select-parent", "Select parent", select_parent, "P", menu="Edit", enabled=sel, separator=True)
+    add("edit.deselect", "Select nothing", _deselect, "Escape", menu="Edit", enabled=sel)
+
+    add("view.frame", "Frame selection", Session.frame_selection, "F", menu="View", enabled=doc)
+    add("view.frame-all", "Frame all", Session.frame_all, "A", "Home", menu="View", enabled=doc)
+    add("view.reset-camera", "Reset camera", Session.reset_camera, "Keypad0", menu="View", enabled=doc)
+    sides = {"front": "Keypad1", "right": "Keypad3", "top": "Keypad7"}
+    opposite = {"back": "Ctrl+Keypad1", "left": "Ctrl+Keypad3", "bottom": "Ctrl+Keypad7"}
+    for i, (side, key) in enumerate({**sides, **opposite}.items()):
+        add(f"view.{side}", f"View from the {side}", _view(side), key, menu="View", enabled=doc, separator=i == 0)
+    for name, label in (
+        ("show_axes", "Axes"), ("show_stats", "Statistics"), ("show_outline", "Selection outline"),
+    ):  # fmt: skip
+        run, checked = _toggle_preference(name)
+        add(f"view.{name.replace('_', '-')}", label, run, menu="View", checked=checked, separator=name == "show_axes")
+    add("view.scale-up", "Larger interface", _scale(0.1), "Ctrl+=", menu="View", separator=True)
+    add("view.scale-down", "Smaller interface", _scale(-0.1), "Ctrl+-", menu="View")
+    add("view.scale-reset", "Normal interface size", _scale(0.0), "Ctrl+0", menu="View")
+    add("view.reset-layout", "Reset layout", _ask("reset_layout"), menu="View")
+    add("view.reset-settings", "Reset render settings", Session.reset_settings, menu="View", enabled=doc)
+
+    add("play.toggle", "Play or pause", lambda s: s.playback.toggle(), "Space", menu="Playback", enabled=_can_play)
+    add("play.previous", "Previous frame", _step(-1), ",", menu="Playback", enabled=_can_play)
+    add("play.next", "Next frame", _step(1), ".", menu="Playback", enabled=_can_play)
+    add("play.start", "Go to start", lambda s: s.seek(0.0), menu="Playback", enabled=_can_play)
+    add("play.loop", "Loop", _toggle_loop, menu="Playback", enabled=_can_play, checked=lambda s: s.playback.loop)
+
+    add("help.palette", "Command palette", _ask("palette"), "Ctrl+Shift+P", "F3", menu="Help")
+    add("help.keys", "Keys and mouse", _ask("help"), "F1", menu="Help")
+    add("help.welcome", "Welcome", _ask("welcome"), menu="Help")
+    for preset in PRESETS:
+        run, checked = _keymap(preset)
+        add(f"help.keymap-{preset}", f"Keymap: {preset}", run, menu="Help", checked=checked, separator=preset == "industry")
+    add("help.about", "About Lucarna", _ask("about"), menu="Help", separator=True)
+    return ops
+
+
+def void(_value: object) -> None:
+    """Drop a result."""

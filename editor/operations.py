@@ -1,0 +1,102 @@
+"""Operations: everything a user can do by name. Menu, palette, keys and tests are doors to the same functions.
+
+A shortcut is written `Ctrl+Shift+P`; single letters work while no text field has the focus. No imgui here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+from editor.session import Session
+from engine.core.errors import UsageError
+
+
+def _always(session: Session) -> bool:
+    return True
+
+
+@dataclass(frozen=True, slots=True)
+class Operation:
+    """`id` is stable (`view.frame-all`). `menu`: File, Edit, View, Playback, Help, or '' for the palette only.
+    `checked` makes it a toggle."""
+
+    id: str
+    label: str
+    run: Callable[[Session], None]
+    menu: str = ""
+    shortcuts: tuple[str, ...] = ()
+    enabled: Callable[[Session], bool] = _always
+    checked: Callable[[Session], bool] | None = None
+    separator: bool = False
+    doc: str = ""
+
+
+class Operations:
+    """The registry. Ids and shortcuts are unique: a clash is a programming mistake and asserts."""
+
+    def __init__(self) -> None:
+        self._by_id: dict[str, Operation] = {}
+        self._by_shortcut: dict[str, str] = {}
+
+    def add(self, operation: Operation) -> None:
+        assert operation.id not in self._by_id, f"operation {operation.id} is registered twice"
+        for shortcut in operation.shortcuts:
+            assert shortcut not in self._by_shortcut, f"{shortcut} is taken by {self._by_shortcut[shortcut]}"
+            self._by_shortcut[shortcut] = operation.id
+        self._by_id[operation.id] = operation
+
+    def __iter__(self) -> Iterator[Operation]:
+        return iter(self._by_id.values())
+
+    def __getitem__(self, id: str) -> Operation:
+        return self._by_id[id]
+
+    def run(self, id: str, session: Session) -> bool:
+        """Run an operation by id; False when it is not enabled now. Raises UsageError for an unknown id."""
+        operation = self._by_id.get(id)
+        if operation is None:
+            raise UsageError(f"there is no operation {id!r}", hint="see the command palette for their names")
+        if not operation.enabled(session):
+            return False
+        operation.run(session)
+        return True
+
+    def shortcuts(self) -> dict[str, str]:
+        """Shortcut -> operation id."""
+        return dict(self._by_shortcut)
+
+    def menu(self, name: str) -> list[Operation]:
+        return [o for o in self if o.menu == name]
+
+    def search(self, text: str, session: Session) -> list[Operation]:
+        """Enabled operations whose menu and label hold the letters of `text` in order, best match first."""
+        scored = []
+        for operation in self:
+            score = match_score(text, f"{operation.menu} {operation.label}".strip())
+            if score is not None and operation.enabled(session):
+                scored.append((score, operation.label, operation))
+        return [operation for _score, _label, operation in sorted(scored, key=lambda s: s[:2])]
+
+
+def match_score(pattern: str, text: str) -> float | None:
+    """How well `pattern`'s letters occur in order in `text`, ignoring case: lower is better, None is no match.
+
+    Whole words and starts of words win over letters scattered about."""
+    pattern, lowered = pattern.lower().strip(), text.lower()
+    if not pattern:
+        return 0.0
+    at = lowered.find(pattern)
+    if at >= 0:
+        return (0.0 if at == 0 or not lowered[at - 1].isalnum() else 1.0) + 0.001 * len(text)
+    score, position = 2.0, -1
+    for letter in pattern:
+        if letter == " ":
+            continue
+        found = lowered.find(letter, position + 1)
+        if found < 0:
+            return None
+        starts_word = found == 0 or not lowered[found - 1].isalnum()
+        score += 0.0 if starts_word else 0.1 * (found - position)
+        position = found
+    return score + 0.001 * len(text)

@@ -1,0 +1,67 @@
+"""What is drawn over the picture: the corners of the selection's box, labels."""
+
+from __future__ import annotations
+
+import numpy as np
+from imgui_bundle import imgui
+from numpy.typing import NDArray
+
+from editor import theme
+from editor.camera_controls import OrbitCamera, project
+from editor.host import box_corners
+
+#: the 12 edges of a box by corner index (see box_corners)
+EDGES = tuple((a, a | bit) for a in range(8) for bit in (1, 2, 4) if not a & bit)
+#: how much of each edge is drawn from each end: brackets show the box without hiding what is in it
+BRACKET = 0.22
+
+
+def box_segments(
+    camera: OrbitCamera, low: NDArray[np.float64], high: NDArray[np.float64], width: float, height: float
+) -> NDArray[np.float64]:
+    """Bracket lines f8[n,2,2] in pixels of the part of a world box in front of the camera."""
+    corners = box_corners(low, high)
+    segments = []
+    for a, b in EDGES:
+        pa, pb = corners[a], corners[b]
+        segments.append((pa, pa + (pb - pa) * BRACKET))
+        segments.append((pb, pb + (pa - pb) * BRACKET))
+    ends = np.asarray(segments)
+    forward = -camera.rotation()[:, 2]
+    depth = (ends - camera.eye()) @ forward
+    near = camera.znear
+    ends, depth = ends[(depth > near).any(axis=1)], depth[(depth > near).any(axis=1)]
+    for i in (0, 1):  # move ends behind the camera up to the near plane
+        behind = depth[:, i] <= near
+        if behind.any():
+            other = 1 - i
+            t = (near * 1.001 - depth[behind, other]) / (depth[behind, i] - depth[behind, other])
+            ends[behind, i] = ends[behind, other] + (ends[behind, i] - ends[behind, other]) * t[:, None]
+    pixels, _depth = project(camera, ends.reshape(-1, 3), width, height)
+    return pixels.reshape(-1, 2, 2)
+
+
+def draw_box(
+    camera: OrbitCamera, low: NDArray[np.float64], high: NDArray[np.float64],
+    origin: tuple[float, float], width: float, height: float,
+) -> None:  # fmt: skip
+    """Brackets of a world box, over a picture at `origin`, `width` x `height` imgui units."""
+    if not (np.isfinite(low).all() and np.isfinite(high).all()):
+        return
+    lines = imgui.get_window_draw_list()
+    shadow, color = theme.u32((0, 0, 0, 0.55)), theme.u32(theme.ACCENT)
+    segments = box_segments(camera, low, high, width, height) + np.asarray(origin)
+    for thickness, tint in ((3.5, shadow), (1.6, color)):
+        for (ax, ay), (bx, by) in segments.tolist():
+            lines.add_line((ax, ay), (bx, by), tint, thickness)
+
+
+def chip(x: float, y: float, value: str, color: theme.Rgba = theme.TEXT) -> tuple[float, float]:
+    """A line of text on a rounded dark ground at (x, y); returns its size."""
+    size = imgui.calc_text_size(value)
+    pad = imgui.get_style().frame_padding
+    lines = imgui.get_window_draw_list()
+    w, h = size.x + 2 * pad.x, size.y + 2 * pad.y
+    lines.add_rect_filled((x, y), (x + w, y + h), theme.u32((0.05, 0.055, 0.065, 0.72)), 4)
+    lines.add_text((x + pad.x, y + pad.y), theme.u32(color), value)
+    return w, h

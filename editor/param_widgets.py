@@ -1,0 +1,142 @@
+"""A widget for every Param: the same declaration that makes the UBO field makes the slider.
+
+Colours are scene-linear Rec.709 in the engine and shown as sRGB, so that the swatch looks like the surface.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from imgui_bundle import imgui
+
+from editor import icons
+from editor.widgets import em, icon_button, pretty, property_row
+from engine.core.param import Param
+
+
+def srgb_from_linear(c: float) -> float:
+    """IEC 61966-2-1:1999 encoding, continued above 1 for HDR colours; negative values are taken as 0."""
+    c = max(c, 0.0)
+    return 12.92 * c if c <= 0.0031308 else 1.055 * c ** (1 / 2.4) - 0.055
+
+
+def linear_from_srgb(c: float) -> float:
+    """The inverse of srgb_from_linear."""
+    c = max(c, 0.0)
+    return c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4
+
+
+def param_row(param: Param, value: Any, *, id: str = "", label: str = "", degrees: bool = False) -> tuple[bool, Any]:
+    """A row of a property grid for `param`: (changed, new value). A value that is not the default can be reset.
+
+    `degrees`: the value is in radians and shown in degrees."""
+    is_default = _same(value, param.default)
+    unit = f" [{'°' if degrees else param.unit}]" if param.unit or degrees else ""
+    limits = _limits(param)
+    doc = f"{param.doc or pretty(param.name)}{unit}{limits}"
+    property_row(label or pretty(param.name), doc, changed=not is_default)
+    imgui.push_id(f"{id}{param.name}")
+    reset = False
+    if not is_default:
+        imgui.set_next_item_width(-em(2.0))
+    changed, new = edit_value(param, value, degrees=degrees)
+    if not is_default:
+        imgui.same_line(0, em(0.2))
+        reset = icon_button(icons.RESET, f"Back to {format_value(param.default)}")
+    imgui.pop_id()
+    return (True, param.default) if reset else (changed, new)
+
+
+def edit_value(param: Param, value: Any, *, degrees: bool = False) -> tuple[bool, Any]:
+    """The bare widget for `param`, named `##value`."""
+    kind = param.type
+    if kind == "bool":
+        changed, new = imgui.checkbox("##value", bool(value))
+        return bool(changed), bool(new)
+    if kind == "enum":
+        index = param.choices.index(value) if value in param.choices else 0
+        changed, index = imgui.combo("##value", index, [pretty(c) for c in param.choices])
+        return bool(changed), param.choices[index]
+    if kind in {"int", "uint"}:
+        return _edit_int(param, int(value))
+    if kind in {"color3", "color4"}:
+        return _edit_color(param, tuple(value))
+    if kind == "float":
+        return _edit_float(param, float(value), degrees)
+    return _edit_vector(param, value)
+
+
+def _edit_float(param: Param, value: float, degrees: bool) -> tuple[bool, float]:
+    factor = 180.0 / math.pi if degrees else 1.0
+    low, high = param.min * factor, param.max * factor
+    unit = "°" if degrees else f" {param.unit}" if param.unit and param.unit.isascii() else ""
+    format = f"%.{1 if degrees else 3}f{unit}"
+    if math.isfinite(low) and math.isfinite(high):
+        changed, new = imgui.slider_float(
+            "##value", value * factor, low, high, format, imgui.SliderFlags_.always_clamp
+        )
+    else:
+        speed = param.step or max(abs(value * factor) * 0.005, 0.002)
+        bounded = math.isfinite(low) or math.isfinite(high)
+        changed, new = imgui.drag_float(
+            "##value", value * factor, speed,
+            low if math.isfinite(low) else -1e30, high if math.isfinite(high) else 1e30, format,
+            imgui.SliderFlags_.always_clamp if bounded else 0,
+        )  # fmt: skip
+    return bool(changed), min(max(float(new) / factor, param.min), param.max)
+
+
+def _edit_int(param: Param, value: int) -> tuple[bool, int]:
+    if math.isfinite(param.min) and math.isfinite(param.max):
+        changed, new = imgui.slider_int("##value", value, int(param.min), int(param.max))
+    else:
+        changed, new = imgui.drag_int("##value", value)
+    return bool(changed), int(min(max(new, param.min), param.max))
+
+
+def _edit_vector(param: Param, value: Any) -> tuple[bool, tuple[float, ...]]:
+    widget = {2: imgui.drag_float2, 3: imgui.drag_float3, 4: imgui.drag_float4}[len(value)]
+    changed, new = widget("##value", [float(v) for v in value], param.step or 0.01)
+    return bool(changed), tuple(min(max(float(v), param.min), param.max) for v in new)
+
+
+def _edit_color(param: Param, value: tuple[float, ...]) -> tuple[bool, tuple[float, ...]]:
+    shown = [srgb_from_linear(c) for c in value[:3]] + list(value[3:])
+    flags = imgui.ColorEditFlags_.float
+    if param.max > 1.0:
+        flags |= imgui.ColorEditFlags_.hdr
+    if len(value) == 4:
+        changed, new = imgui.color_edit4("##value", shown, flags | imgui.ColorEditFlags_.alpha_preview_half)
+    else:
+        changed, new = imgui.color_edit3("##value", shown, flags)
+    if not changed:
+        return False, value
+    channels = [float(c) for c in new][: len(value)]
+    linear = [linear_from_srgb(c) for c in channels[:3]] + channels[3:]
+    return True, tuple(min(max(c, param.min), param.max) for c in linear)
+
+
+def format_value(value: Any) -> str:
+    """A short text of a parameter's value."""
+    if isinstance(value, bool):
+        return "on" if value else "off"
+    if isinstance(value, (int, float)):
+        return f"{value:g}"
+    if isinstance(value, (tuple, list)):
+        return ", ".join(f"{float(v):g}" for v in value)
+    return str(value)
+
+
+def _limits(param: Param) -> str:
+    if param.type in {"bool", "enum"} or not (math.isfinite(param.min) and math.isfinite(param.max)):
+        return ""
+    return f"\n{param.min:g} to {param.max:g}"
+
+
+def _same(a: Any, b: Any) -> bool:
+    if isinstance(a, (tuple, list)) and isinstance(b, (tuple, list)):
+        return len(a) == len(b) and all(_same(x, y) for x, y in zip(a, b, strict=True))
+    if isinstance(a, float) or isinstance(b, float):
+        return math.isclose(float(a), float(b), rel_tol=1e-6, abs_tol=1e-9)
+    return bool(a == b)

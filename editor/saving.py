@@ -1,0 +1,145 @@
+"""Saving: the scene as it was opened plus what the user changed, as files that stand by themselves.
+
+A scene that came from the import cache is written with a copy of everything it refers to: the cache may be emptied at
+any time. A scene that lies where it is saved is updated in place, its edited materials too.
+"""
+
+from __future__ import annotations
+
+import copy
+import dataclasses
+import os
+import shutil
+from collections.abc import Iterable, Mapping
+from pathlib import Path, PurePosixPath
+from typing import Any
+
+from editor.document import Document
+from editor.opening import scene_stem
+from engine.assets.material import MaterialAsset
+from engine.assets.scene import SceneAsset
+from engine.core.atomic import atomic_path
+from engine.core.errors import OutputError
+from engine.core.paths import user_cache_dir
+
+#: table column -> field of LightAsset or CameraAsset where the names differ
+_FIELDS = {"inner": "inner_angle", "outer": "outer_angle"}
+
+
+def default_target(document: Document) -> Path | None:
+    """Where Ctrl+S writes, or None where the user must be asked (a loose source file)."""
+    if document.saved_to is not None:
+        return document.saved_to
+    cached = document.scene_path.resolve().is_relative_to(user_cache_dir().resolve())
+    if not cached:
+        return document.scene_path
+    if document.project_root is not None:
+        return document.project_root / "scenes" / f"{scene_stem(document.scene_path)}.scene.json"
+    return None
+
+
+def suggested_target(document: Document) -> Path:
+    """What a "save as" begins with: beside the source."""
+    target = default_target(document)
+    if target is not None:
+        return target
+    folder = document.source if document.source.is_dir() else document.source.parent
+    return folder / f"{scene_stem(document.scene_path)}.scene.json"
+
+
+def save_document(document: Document, target: Path) -> list[Path]:
+    """Write the scene to `target` and what belongs to it beside it; returns the files written.
+
+    Raises OutputError when something cannot be written. The scene file is written last, so a failure never leaves a
+    scene that names missing files."""
+    from engine.assets.material_toml import write_material
+    from engine.assets.scene_json import write_scene
+
+    target = target.resolve()
+    source_dir, target_dir = document.scene_path.resolve().parent, target.parent
+    asset = edited_scene(document.runtime, document.overrides)
+    edited = edited_materials(document.runtime.residency, document.overrides)
+    written: list[Path] = []
+    if source_dir != target_dir:
+        for reference in sorted(set(_references(asset, source_dir))):
+            file, copied = source_dir / reference, target_dir / reference
+            if file.resolve() not in edited and _copy(file, copied):
+                written.append(copied)
+    for path, material in edited.items():
+        out = path if source_dir == target_dir else target_dir / os.path.relpath(path, source_dir)
+        write_material(out, material)
+        written.append(out)
+    write_scene(target, asset)
+    return [*written, target]
+
+
+def edited_scene(runtime: Any, overrides: Mapping[tuple[str, str, int], Any]) -> SceneAsset:
+    """A copy of the runtime's scene asset with the user's values; node rows are indices into its nodes."""
+    asset: SceneAsset = copy.deepcopy(runtime.asset)
+    scene = runtime.scene
+    for (table, column, row), value in overrides.items():
+        if table == "nodes":
+            node = asset.nodes[row]
+            setattr(node, column, value)
+            if column in {"translation", "rotation", "scale"}:
+                node.matrix = None
+        elif table == "lights":
+            light = asset.nodes[int(scene.lights.node[row])].light
+            if light is not None:
+                setattr(light, _FIELDS.get(column, column), value)
+        elif table == "cameras":
+            camera = asset.nodes[int(scene.cameras.node[row])].camera
+            if camera is not None:
+                setattr(camera, column, value)
+        elif table in {"environment", "look"}:
+            setattr(getattr(asset, table), column, value)
+    return asset
+
+
+def edited_materials(residency: Any, overrides: Mapping[tuple[str, str, int], Any]) -> dict[Path, MaterialAsset]:
+    """Material file -> the material as it is now, for every material with a file that the user changed."""
+    found: dict[Path, MaterialAsset] = {}
+    for table, _column, row in overrides:
+        if table == "materials":
+            record = residency.material(row)
+            if record.path:
+                found[Path(record.path).resolve()] = dataclasses.replace(record.asset)
+    return found
+
+
+def _references(asset: SceneAsset, folder: Path) -> Iterable[str]:
+    """Every file inside `folder` that the scene names, and those its materials name."""
+    from engine.assets.material_toml import read_material
+
+    direct = [*asset.clips, asset.environment.path]
+    for node in asset.nodes:
+        if node.mesh is not None:
+            direct += [node.mesh.file, *node.mesh.materials]
+    for reference in dict.fromkeys(direct):
+        if not reference or not _inside(reference):
+            continue
+        yield reference
+        if reference.endswith(".material.toml") and (folder / reference).is_file():
+            base = PurePosixPath(reference).parent
+            for texture in read_material(folder / reference).textures.values():
+                joined = str(base / texture.path)
+                if texture.path and _inside(joined):
+                    yield joined
+
+
+def _inside(reference: str) -> bool:
+    return not PurePosixPath(reference).is_absolute() and ".." not in PurePosixPath(reference).parts
+
+
+def _copy(source: Path, target: Path) -> bool:
+    """Copy unless the target holds the same bytes already; False when there was nothing to do."""
+    if not source.is_file():
+        return False  # a missing file was reported when the scene was opened
+    if target.is_file() and target.stat().st_size == source.stat().st_size and target.read_bytes() == source.read_bytes():
+        return False
+    with atomic_path(target) as temporary:
+        try:
+            shutil.copyfile(source, temporary)
+        except OSError as error:
+            raise OutputError(f"cannot copy {source.name}: {error.strerror}", where=target) from error
+    return True

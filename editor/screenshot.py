@@ -1,0 +1,52 @@
+"""Pictures of the viewport and of the whole window, as PNG."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from editor.session import Session
+from engine.core.errors import LucarnaError
+
+
+def picture_folder(session: Session) -> Path:
+    """Where F12 writes: `pictures/` of the project, else beside the opened file."""
+    document = session.document
+    assert document is not None
+    if document.project_root is not None:
+        return document.project_root / "pictures"
+    return document.source if document.source.is_dir() else document.source.parent
+
+
+def save_viewport(session: Session) -> Path | None:
+    """Write what the viewport shows to a new PNG, with how it was seen in its metadata; None when it failed."""
+    from engine.report.image import save_png
+
+    pixels = session.image.pixels()
+    document = session.document
+    if pixels is None or document is None:
+        return None
+    stem = Path(document.name).stem or "viewport"
+    path = picture_folder(session) / f"{stem}-{time.strftime('%Y%m%d-%H%M%S')}.png"
+    metadata = {"source": document.source.name, **{k: str(v) for k, v in session.settings.values().items()}}
+    try:
+        save_png(path, pixels, metadata)
+    except LucarnaError as error:
+        session.fail(error)
+        return None
+    session.ui.notice = f"Saved {path.name}"
+    session.messages.info("Saved the viewport's picture", where=str(path))
+    return path
+
+
+def save_window(path: Path, pixels: Any) -> None:
+    """Write a window screenshot u1[h,w,3|4]. Raises OutputError, or LucarnaError when there is nothing in it."""
+    from engine.report.image import save_png
+
+    array = np.ascontiguousarray(pixels)
+    if array.size == 0 or array.ndim != 3:
+        raise LucarnaError("the window gave no picture", where=path, hint="is there a display?")
+    save_png(path, np.ascontiguousarray(array[:, :, :3]), {"software": "Lucarna"})

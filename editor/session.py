@@ -1,0 +1,308 @@
+"""Session: everything the window works on, and what a user can do with it. No imgui, no GL.
+
+Panels read it and call it; operations are its named actions; tests drive it without a window.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from editor import camera_controls, preferences, saving
+from editor.camera_controls import OrbitCamera
+from editor.document import Document
+from editor.host import Host
+from editor.messages import Messages
+from editor.opening import OpenJob
+from editor.playback import Playback
+from editor.preferences import Preferences
+from editor.viewport_image import ViewportImage
+from engine.core.errors import LucarnaError
+from engine.core.param import ParamBlock
+
+
+@dataclass(slots=True)
+class UiRequests:
+    """What operations ask of the window, which carries it out and clears it."""
+
+    palette: bool = False
+    open_dialog: bool = False
+    save_dialog: bool = False
+    welcome: bool = False
+    help: bool = False
+    about: bool = False
+    reset_layout: bool = False
+    quit: bool = False
+    focus_panel: str = ""
+    toggle_panel: str = ""
+    error_bar: str = ""
+    notice: str = ""
+    #: what to do once the user has said what becomes of unsaved changes
+    after_discard: Callable[[], None] | None = None
+    status_hint: str = ""
+    scale_changed: bool = False
+
+
+@dataclass(slots=True)
+class Session:
+    """`device` is set by the window once it has a context. `width`, `height`: the viewport in pixels."""
+
+    host: Host
+    preferences: Preferences = field(default_factory=Preferences)
+    device: Any = None
+    messages: Messages = field(default_factory=Messages)
+    document: Document | None = None
+    job: OpenJob | None = None
+    camera: OrbitCamera = field(default_factory=OrbitCamera)
+    playback: Playback = field(default_factory=Playback)
+    image: ViewportImage = field(default_factory=ViewportImage)
+    ui: UiRequests = field(default_factory=UiRequests)
+    width: int = 1280
+    height: int = 720
+    save_preferences: bool = True
+    _settings: ParamBlock | None = None
+
+    # --- opening ---
+
+    def open(self, path: Path) -> None:
+        """Start to open a project, folder, source or scene; asks first when there are unsaved changes."""
+        if self.document is not None and self.document.dirty:
+            self.ui.after_discard = lambda: self._start(path)
+            return
+        self._start(path)
+
+    def poll(self) -> None:
+        """Once a frame: take over what a finished job found. The present document stays until the next one is good."""
+        job = self.job
+        if job is None or not job.done:
+            return
+        self.job = None
+        if job.error is not None:
+            self.fail(job.error)
+        elif job.result is None:
+            self.messages.info(f"Opening {job.path.name} was cancelled")
+        else:
+            try:
+                runtime = self.host.open_runtime(self.device, job.result.scene)
+            except LucarnaError as error:
+                self.messages.findings(job.result.findings)
+                self.fail(error)
+                return
+            self.adopt(Document(job.result, runtime))
+
+    def adopt(self, document: Document) -> None:
+        """Make `document` the open one, close the one before, look at it."""
+        self.close()
+        self.document = document
+        self.ui.error_bar = ""
+        self.messages.findings(document.findings)
+        runtime_findings = getattr(document.runtime, "findings", None)
+        if runtime_findings is not None:
+            self.messages.findings(f for f in runtime_findings if f not in document.findings.items)
+        scene = document.runtime.scene
+        nodes, draws = len(scene.nodes.name), len(scene.instances.node)
+        self.messages.info(f"Opened {document.name}: {nodes} nodes, {draws} drawn parts", where=str(document.source))
+        self.playback = Playback(duration=float(document.runtime.duration))
+        self.playback.playing = self.playback.available
+        document.runtime.update(0.0)
+        self.reset_camera()
+        self.preferences.add_recent(document.source)
+        self.remember()
+
+    def close(self) -> None:
+        """Close the open document, if any, without asking."""
+        if self.document is not None:
+            self.image.forget()
+            self.document.close()
+            self.document = None
+            self.playback = Playback()
+
+    def fail(self, error: LucarnaError) -> None:
+        """Log an error and show it in the bar; nothing else changes."""
+        self.messages.error(error)
+        self.ui.error_bar = str(error)
+
+    # --- editing ---
+
+    def edit(
+        self,
+        table: str,
+        column: str,
+        rows: Sequence[int],
+        values: Sequence[Any],
+        *,
+        gesture: Hashable | None = None,
+        label: str = "",
+    ) -> None:
+        """Document.edit, with a bad value logged instead of raised."""
+        if self.document is None:
+            return
+        try:
+            self.document.edit(table, column, rows, values, gesture=gesture, label=label)
+        except LucarnaError as error:
+            self.messages.error(error)
+
+    def end_gesture(self) -> None:
+        if self.document is not None:
+            self.document.history.end_gesture()
+
+    def undo(self) -> None:
+        command = self.document.history.undo() if self.document is not None else None
+        if command is not None:
+            self.ui.notice = f"Undone: {command.describe()}"
+
+    def redo(self) -> None:
+        command = self.document.history.redo() if self.document is not None else None
+        if command is not None:
+            self.ui.notice = f"Redone: {command.describe()}"
+
+    def set_visible(self, rows: Sequence[int], visible: bool) -> None:
+        verb = "Show" if visible else "Hide"
+        what = self.node_name(rows[0]) if len(rows) == 1 else f"{len(rows)} nodes"
+        self.edit("nodes", "visible", rows, [visible] * len(rows), label=f"{verb} {what}")
+
+    def node_name(self, row: int) -> str:
+        if self.document is None or row < 0:
+            return ""
+        return str(self.document.runtime.scene.nodes.name[row]) or f"node {row}"
+
+    def save(self, target: Path | None = None) -> bool:
+        """Save to `target`, or where the document belongs; asks for a place when it has none. True when written."""
+        document = self.document
+        if document is None:
+            return False
+        target = target or saving.default_target(document)
+        if target is None:
+            self.ui.save_dialog = True
+            return False
+        try:
+            written = saving.save_document(document, target)
+        except LucarnaError as error:
+            self.fail(error)
+            return False
+        document.saved_to = target
+        document.history.mark_saved()
+        more = f" and {len(written) - 1} more files" if len(written) > 1 else ""
+        self.ui.notice = f"Saved {target.name}{more}"
+        self.messages.info(self.ui.notice, where=str(target))
+        return True
+
+    # --- looking ---
+
+    @property
+    def settings(self) -> ParamBlock:
+        """The render settings of the viewport; view state, not part of the document."""
+        if self._settings is None:
+            self._settings = self.host.new_settings()
+        return self._settings
+
+    def reset_settings(self) -> None:
+        self._settings = self.host.new_settings()
+
+    @property
+    def aspect(self) -> float:
+        return self.width / max(self.height, 1)
+
+    def view(self) -> Any:
+        return self.host.view(self.camera, self.width, self.height, self.settings)
+
+    def reset_camera(self) -> None:
+        """The scene's own camera, or one that frames it."""
+        if self.document is None:
+            return
+        camera = self.document.runtime.default_camera(self.aspect)
+        matrix = np.asarray(camera.world_from_camera, dtype=np.float64)
+        low, high = self.document.bounds()
+        distance = 5.0
+        if np.isfinite(low).all() and np.isfinite(high).all():
+            ahead = float((matrix[:3, 3] - 0.5 * (low + high)) @ matrix[:3, 2])
+            distance = max(ahead, 0.1 * float(np.linalg.norm(high - low)), 1e-3)
+        self.camera = camera_controls.from_matrix(matrix, distance, float(camera.yfov))
+
+    def frame_selection(self) -> None:
+        """Look at the selected nodes, or at everything."""
+        if self.document is None:
+            return
+        low, high = self.document.bounds(self.document.selection)
+        if not np.isfinite(low).all() or not self.document.selection:
+            return self.frame_all()
+        if float(np.linalg.norm(high - low)) <= 0.0:  # a light or an empty: keep the distance, go there
+            low, high = low - 0.5, high + 0.5
+        self.camera = camera_controls.frame(self.camera, low, high, self.aspect)
+        return None
+
+    def frame_all(self) -> None:
+        if self.document is not None:
+            self.camera = camera_controls.frame(self.camera, *self.document.bounds(), self.aspect)
+
+    def pick(self, x: int, y: int, *, toggle: bool = False) -> int:
+        """Select what shows at viewport pixel (x, y); returns the node row, or -1."""
+        if self.document is None or self.image.frame is None:
+            return -1
+        device = self.device
+        device.begin_frame()
+        try:
+            row = int(self.document.runtime.pick(self.view(), x, y))
+        except LucarnaError as error:
+            self.messages.error(error)
+            return -1
+        finally:
+            device.end_frame()
+        self.document.select(row, toggle=toggle)
+        return row
+
+    def tick(self, seconds: float) -> None:
+        """Advance the clock by wall time."""
+        if self.document is not None and self.playback.tick(seconds):
+            self.document.runtime.update(self.playback.time)
+
+    def seek(self, time: float) -> None:
+        self.playback.seek(time)
+        if self.document is not None:
+            self.document.runtime.update(self.playback.time)
+
+    def visible_state(self) -> tuple[Hashable, ...]:
+        """What the viewport's picture depends on, besides its size: equal states give equal pictures."""
+        document = self.document
+        if document is None:
+            return ()
+        scene = document.runtime.scene
+        return (
+            self.camera,
+            self.settings.key(),
+            document.history.revision,
+            int(scene.structure_rev),
+            int(scene.transform_rev),
+            int(getattr(document.runtime.residency, "structure_rev", 0)),
+            self.playback.time,
+        )
+
+    # --- the rest ---
+
+    def request_quit(self) -> bool:
+        """True when the window may close now; else the user is asked first."""
+        if self.document is not None and self.document.dirty:
+            self.ui.after_discard = self._quit
+            return False
+        return True
+
+    def remember(self) -> None:
+        """Write the preferences; a failure is a warning in the log."""
+        if self.save_preferences:
+            problem = preferences.save(self.preferences)
+            if problem:
+                self.messages.warn(f"Preferences were not saved: {problem}")
+
+    def _quit(self) -> None:
+        self.ui.quit = True
+
+    def _start(self, path: Path) -> None:
+        if self.job is not None:
+            self.job.cancel()
+        self.ui.welcome = False
+        self.messages.info(f"Opening {path.name}", where=str(path))
+        self.job = OpenJob(self.host, path)

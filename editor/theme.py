@@ -1,0 +1,127 @@
+"""The look of the editor: one dark palette, its fonts and spacing. Colours here are display sRGB."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from imgui_bundle import hello_imgui, imgui
+
+Rgba = tuple[float, float, float, float]
+
+
+def rgb(text: str, alpha: float = 1.0) -> Rgba:
+    """`#rrggbb` -> (r, g, b, a) in 0..1."""
+    value = int(text.lstrip("#"), 16)
+    return (value >> 16 & 255) / 255, (value >> 8 & 255) / 255, (value & 255) / 255, alpha
+
+
+BACKGROUND = rgb("#121316")
+PANEL = rgb("#1a1c20")
+RAISED = rgb("#23262b")
+FRAME = rgb("#0f1013")
+FRAME_HOVER = rgb("#282c33")
+FRAME_ACTIVE = rgb("#2f343c")
+BUTTON = rgb("#2a2e35")
+BUTTON_HOVER = rgb("#363b45")
+BORDER = rgb("#2c2f36")
+TEXT = rgb("#dcdfe4")
+DIM = rgb("#8d94a0")
+FAINT = rgb("#5c626d")
+ACCENT = rgb("#e9a94a")
+ACCENT_DIM = rgb("#e9a94a", 0.30)
+SELECTION = rgb("#3a6ea5", 0.62)
+SELECTION_HOVER = rgb("#3a6ea5", 0.35)
+INFO = rgb("#7fb2e8")
+WARNING = rgb("#e8c15a")
+ERROR = rgb("#ef6e64")
+GOOD = rgb("#79c07a")
+AXES = (rgb("#e5534b"), rgb("#78c250"), rgb("#4c8df0"))
+#: bars of the timings panel, in order; apart in hue and lightness, and told apart by their labels too
+SERIES = tuple(rgb(c) for c in ("#5b9bd5", "#e9a94a", "#79c07a", "#c77dd1", "#e57361", "#58bfb6", "#b3b84a", "#9a8ce0"))
+
+FONT_SIZE = 15.0
+
+
+@dataclass(slots=True)
+class Fonts:
+    """Loaded once at start; None before that and where no font file was found (then the default font serves)."""
+
+    regular: Any = None
+    bold: Any = None
+    mono: Any = None
+
+
+def load_fonts() -> Fonts:
+    """Roboto with Font Awesome 6 icons merged in, its bold cut for headings, Inconsolata for numbers and logs."""
+    fonts = Fonts()
+    fonts.regular = hello_imgui.load_font("fonts/Roboto/Roboto-Regular.ttf", FONT_SIZE)
+    _merge_icons(FONT_SIZE * 0.86)
+    fonts.bold = hello_imgui.load_font("fonts/Roboto/Roboto-Bold.ttf", FONT_SIZE)
+    _merge_icons(FONT_SIZE * 0.86)
+    fonts.mono = hello_imgui.load_font("fonts/Inconsolata-Medium.ttf", FONT_SIZE)
+    return fonts
+
+
+def _merge_icons(size: float) -> None:
+    params = hello_imgui.FontLoadingParams(merge_to_last_font=True)
+    params.font_config.glyph_min_advance_x = FONT_SIZE * 1.15  # icons in a column line up
+    hello_imgui.load_font("fonts/Font_Awesome_6_Free-Solid-900.otf", size, params)
+
+
+def apply(scale: float = 1.0) -> None:
+    """Set imgui's style. `scale` is the user's own factor on top of the display's."""
+    style = imgui.get_style()
+    style.window_padding = (10, 8)
+    style.frame_padding = (8, 4)
+    style.cell_padding = (6, 3)
+    style.item_spacing = (8, 5)
+    style.item_inner_spacing = (6, 4)
+    style.indent_spacing = 16
+    style.scrollbar_size = 12
+    style.grab_min_size = 10
+    style.window_border_size = style.child_border_size = style.popup_border_size = 1
+    style.frame_border_size = style.tab_border_size = 0
+    style.tab_bar_border_size = 1
+    style.tab_bar_overline_size = 2
+    style.window_rounding = style.popup_rounding = 6
+    style.child_rounding = 4
+    style.frame_rounding = style.grab_rounding = style.tab_rounding = 4
+    style.scrollbar_rounding = 6
+    style.window_title_align = (0.0, 0.5)
+    style.window_menu_button_position = imgui.Dir.none
+    style.docking_separator_size = 3
+    style.separator_text_border_size = 1
+    style.separator_text_padding = (0, 6)
+    style.disabled_alpha = 0.45
+    style.hover_delay_short = 0.25
+    style.font_scale_main = scale
+    for name, color in _colors().items():
+        style.set_color_(getattr(imgui.Col_, name), imgui.ImVec4(*color))
+
+
+def _colors() -> dict[str, Rgba]:
+    clear = (0.0, 0.0, 0.0, 0.0)
+    return {
+        "text": TEXT, "text_disabled": DIM, "window_bg": PANEL, "child_bg": clear, "popup_bg": rgb("#1e2025", 0.985),
+        "border": BORDER, "border_shadow": clear, "frame_bg": FRAME, "frame_bg_hovered": FRAME_HOVER,
+        "frame_bg_active": FRAME_ACTIVE, "title_bg": BACKGROUND, "title_bg_active": BACKGROUND,
+        "title_bg_collapsed": BACKGROUND, "menu_bar_bg": BACKGROUND, "scrollbar_bg": clear,
+        "scrollbar_grab": rgb("#3a3f48"), "scrollbar_grab_hovered": rgb("#4a505b"), "scrollbar_grab_active": rgb("#5a616e"),
+        "check_mark": ACCENT, "slider_grab": rgb("#6f7784"), "slider_grab_active": ACCENT, "button": BUTTON,
+        "button_hovered": BUTTON_HOVER, "button_active": rgb("#424853"), "header": SELECTION,
+        "header_hovered": SELECTION_HOVER, "header_active": SELECTION, "separator": BORDER,
+        "separator_hovered": ACCENT_DIM, "separator_active": ACCENT, "resize_grip": clear,
+        "resize_grip_hovered": ACCENT_DIM, "resize_grip_active": ACCENT, "tab": BACKGROUND, "tab_hovered": RAISED,
+        "tab_selected": PANEL, "tab_selected_overline": ACCENT, "tab_dimmed": BACKGROUND, "tab_dimmed_selected": PANEL,
+        "tab_dimmed_selected_overline": rgb("#4a4f59"), "docking_preview": ACCENT_DIM, "docking_empty_bg": BACKGROUND,
+        "table_header_bg": RAISED, "table_border_strong": BORDER, "table_border_light": rgb("#24272d"),
+        "table_row_bg": clear, "table_row_bg_alt": (1.0, 1.0, 1.0, 0.018), "text_selected_bg": SELECTION,
+        "drag_drop_target": ACCENT, "nav_cursor": ACCENT, "modal_window_dim_bg": (0.0, 0.0, 0.0, 0.55),
+        "plot_histogram": ACCENT, "tree_lines": rgb("#3a3f48"),
+    }  # fmt: skip
+
+
+def u32(color: Rgba, alpha: float = 1.0) -> int:
+    """A colour for draw lists, its alpha scaled by `alpha`."""
+    return int(imgui.get_color_u32(imgui.ImVec4(color[0], color[1], color[2], color[3] * alpha)))

@@ -1,0 +1,20 @@
+"""What every panel is handed: the session, the operations, the fonts. Lives as long as the window."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from editor.operations import Operations
+from editor.session import Session
+from editor.theme import Fonts
+
+
+@dataclass(slots=True)
+class Ui:
+    """`pixel_scale`: framebuffer pixels per imgui unit. `drawn`: frames drawn so far."""
+
+    session: Session
+    operations: Operations
+    fonts: Fonts = field(default_factory=Fonts)
+    pixel_scale: float = 1.0
+    drawn: int = 0

@@ -1,0 +1,128 @@
+"""Small parts that the panels share: rows of a property grid, icon buttons, headings, notices."""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+from collections.abc import Iterator
+
+from imgui_bundle import imgui
+
+from editor import theme
+from editor.theme import Rgba
+from editor.ui import Ui
+
+
+def em(count: float = 1.0) -> float:
+    """`count` times the height of the font, in imgui units."""
+    return float(imgui.get_font_size()) * count
+
+
+def text(value: str, color: Rgba = theme.TEXT) -> None:
+    imgui.text_colored(imgui.ImVec4(*color), value)
+
+
+def tooltip(value: str) -> None:
+    """For the item before: shown after a moment, wrapped."""
+    if value and imgui.is_item_hovered(imgui.HoveredFlags_.for_tooltip | imgui.HoveredFlags_.delay_normal):
+        imgui.begin_tooltip()
+        imgui.push_text_wrap_pos(em(24))
+        imgui.text_unformatted(value)
+        imgui.pop_text_wrap_pos()
+        imgui.end_tooltip()
+
+
+def icon_button(label: str, hint: str, *, active: bool = False, enabled: bool = True) -> bool:
+    """A frameless button; `active` colours it with the accent."""
+    imgui.push_style_color(imgui.Col_.button, imgui.ImVec4(0, 0, 0, 0))
+    imgui.push_style_color(imgui.Col_.text, imgui.ImVec4(*(theme.ACCENT if active else theme.TEXT)))
+    imgui.begin_disabled(not enabled)
+    clicked = bool(imgui.button(label))
+    imgui.end_disabled()
+    imgui.pop_style_color(2)
+    tooltip(hint)
+    return clicked
+
+
+def search_field(label: str, value: str, hint: str) -> str:
+    """A text field over the full width with a hint; returns what stands in it."""
+    imgui.set_next_item_width(-1)
+    _changed, value = imgui.input_text_with_hint(label, hint, value)
+    return str(value)
+
+
+@contextmanager
+def bold(ui: Ui) -> Iterator[None]:
+    imgui.push_font(ui.fonts.bold, 0.0)
+    yield
+    imgui.pop_font()
+
+
+@contextmanager
+def mono(ui: Ui) -> Iterator[None]:
+    imgui.push_font(ui.fonts.mono, 0.0)
+    yield
+    imgui.pop_font()
+
+
+def section(ui: Ui, title: str, *, opened: bool = True) -> bool:
+    """A collapsible heading; True when its content should be drawn."""
+    flags = imgui.TreeNodeFlags_.default_open if opened else 0
+    imgui.push_style_color(imgui.Col_.header, imgui.ImVec4(*theme.RAISED))
+    imgui.push_style_color(imgui.Col_.header_hovered, imgui.ImVec4(*theme.FRAME_HOVER))
+    imgui.push_style_color(imgui.Col_.header_active, imgui.ImVec4(*theme.FRAME_ACTIVE))
+    with bold(ui):
+        shown = bool(imgui.collapsing_header(title, flags))
+    imgui.pop_style_color(3)
+    return shown
+
+
+@contextmanager
+def property_grid(name: str) -> Iterator[bool]:
+    """Two columns, labels and widgets. Yields False when it is clipped away; then draw nothing."""
+    flags = imgui.TableFlags_.sizing_stretch_prop | imgui.TableFlags_.no_saved_settings
+    shown = bool(imgui.begin_table(name, 2, flags))
+    if shown:
+        imgui.table_setup_column("name", imgui.TableColumnFlags_.width_stretch, 0.38)
+        imgui.table_setup_column("value", imgui.TableColumnFlags_.width_stretch, 0.62)
+    yield shown
+    if shown:
+        imgui.end_table()
+
+
+def property_row(label: str, doc: str = "", *, changed: bool = False) -> None:
+    """Begin a row: write the label, move to the widget's cell. `changed` marks a value that is not the default."""
+    imgui.table_next_row()
+    imgui.table_next_column()
+    imgui.align_text_to_frame_padding()
+    text(label, theme.TEXT if changed else theme.DIM)
+    tooltip(doc)
+    imgui.table_next_column()
+    imgui.set_next_item_width(-1)
+
+
+def property_text(label: str, value: str, doc: str = "") -> None:
+    """A row that only tells."""
+    property_row(label, doc)
+    imgui.align_text_to_frame_padding()
+    imgui.text_unformatted(value)
+    tooltip(value if len(value) > 28 else "")
+
+
+def empty_state(icon: str, line: str, more: str = "") -> None:
+    """What a panel shows when there is nothing to show: centred, quiet, says what to do."""
+    size = imgui.get_content_region_avail()
+    start = imgui.get_cursor_pos()
+    lines = [icon, line, *([more] if more else [])]
+    height = imgui.get_text_line_height_with_spacing() * len(lines)
+    y = start.y + max(0.0, (size.y - height) * 0.42)
+    for i, part in enumerate(lines):
+        width = imgui.calc_text_size(part).x
+        imgui.set_cursor_pos((start.x + max(0.0, (size.x - width) * 0.5), y))
+        text(part, theme.FAINT if i == 0 else theme.DIM)
+        y += imgui.get_text_line_height_with_spacing()
+
+
+def pretty(name: str) -> str:
+    """`base_color` -> `Base color`."""
+    words = name.replace("_", " ").strip()
+    return words[:1].upper() + words[1:]

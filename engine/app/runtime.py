@@ -1,0 +1,154 @@
+"""Runtime: an open scene on a device. The editor, the player, the CLI and the tests all drive this one object."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.animation.sample import ClipPlayer
+from engine.app.framing import frame_bounds
+from engine.app.picking import pick_node
+from engine.assets.clip import ClipAsset
+from engine.assets.lanim import read_lanim
+from engine.assets.scene import SceneAsset
+from engine.assets.scene_json import read_scene
+from engine.core.errors import InputError
+from engine.core.findings import Findings
+from engine.gpu.types import Device
+from engine.render.camera import Camera
+from engine.render.environments import Baker
+from engine.render.frame import Frame
+from engine.render.renderer import Renderer
+from engine.render.view import View
+from engine.resources.residency import Residency
+from engine.scene.scene import Scene
+
+
+class Runtime:
+    """`scene`: the tables; `asset`: what was read; `clips`: its animation; `findings`: what went wrong on the way.
+
+    `node_rows[i]` is the scene row of the asset's node i.
+    """
+
+    def __init__(self, device: Device, *, profile: bool = True) -> None:
+        self.device = device
+        self._profile = profile
+        self._reset()
+
+    def _reset(self) -> None:
+        self.residency = Residency(self.device)
+        self.renderer = Renderer(self.device, self.residency, profile=self._profile)
+        self.scene = Scene()
+        self.asset = SceneAsset("empty")
+        self.path: Path | None = None
+        self.node_rows: NDArray[np.intp] = np.zeros(0, np.intp)
+        self.clips: list[ClipAsset] = []
+        self.players: list[ClipPlayer] = []
+        self.findings = Findings()
+
+    # --- opening ---
+
+    def open(self, path: Path, *, baker: Baker | None = None) -> None:
+        """Open a `*.scene.json`. Raises FormatError and leaves what was open as it is; missing parts are findings.
+
+        `baker` gives the baked file of an environment image or sky (importers.opening has one)."""
+        asset = read_scene(path)
+        self.load(asset, path.parent, path, baker=baker)
+
+    def load(self, asset: SceneAsset, base: Path, path: Path | None = None, *, baker: Baker | None = None) -> None:
+        """Open a scene from memory; its files are relative to `base`."""
+        self.close()
+        self._reset()
+        self.renderer.environments.baker = baker
+        self.asset, self.path = asset, path
+        self.findings.file = str(path or asset.name)
+        self.scene = Scene.from_asset(asset)
+        self.node_rows = np.arange(len(asset.nodes), dtype=np.intp)
+        self._add_instances(asset, base)
+        for name in asset.clips:
+            try:
+                clip = read_lanim(base / name)
+                self.players.append(ClipPlayer(clip, self.node_rows))
+                self.clips.append(clip)
+            except InputError as error:
+                self.findings.error("clip.unreadable", str(error), hint="the scene is shown without it")
+        self.scene.update()
+
+    def _add_instances(self, asset: SceneAsset, base: Path) -> None:
+        """One instance row per node x submesh, with materials by slot."""
+        files: dict[str, list[int]] = {}
+        for node in asset.nodes:
+            if node.mesh is not None and node.mesh.file not in files:
+                try:
+                    files[node.mesh.file] = self.residency.load_mesh_file(base / node.mesh.file)
+                except InputError as error:
+                    self.findings.error("mesh.unreadable", str(error), hint="convert the source again")
+                    files[node.mesh.file] = []
+        names = dict.fromkeys(m for node in asset.nodes if node.mesh for m in node.mesh.materials if m)
+        ids = dict(zip(names, self.residency.load_materials([base / m for m in names]), strict=True))
+        rows: list[tuple[int, int, int, int]] = []
+        for i, node in enumerate(asset.nodes):
+            if node.mesh is None or not files[node.mesh.file]:
+                continue
+            meshes = files[node.mesh.file]
+            if not 0 <= node.mesh.index < len(meshes):
+                self.findings.error(
+                    "mesh.index", f"mesh {node.mesh.index} of {node.mesh.file}, which has {len(meshes)}", f"nodes[{i}].mesh"
+                )
+                continue
+            mesh = meshes[node.mesh.index]
+            for s, part in enumerate(self.residency.meshes[mesh].asset.submeshes):
+                slot = part.material_slot
+                name = node.mesh.materials[slot] if 0 <= slot < len(node.mesh.materials) else ""
+                rows.append((int(self.node_rows[i]), mesh, s, ids[name] if name else self.residency.default_material))
+        self.add_instances(rows)
+        for finding in self.residency.findings:
+            self.findings.items.append(finding)
+
+    def add_instances(self, rows: list[tuple[int, int, int, int]]) -> NDArray[np.intp]:
+        """Add drawables (node row, mesh id, submesh, material id); returns their instance rows."""
+        if not rows:
+            return np.zeros(0, np.intp)
+        table = np.array(rows, np.int32)
+        bounds = np.array([self.residency.meshes[mesh].bounds[submesh] for _, mesh, submesh, _ in rows])
+        return self.scene.instances.add_many(
+            table[:, 0], table[:, 1], table[:, 2], table[:, 3], bounds[:, :3], bounds[:, 3].astype(np.float32)
+        )
+
+    # --- time ---
+
+    @property
+    def duration(self) -> float:
+        """Seconds of the longest clip; 0 without animation."""
+        return max((clip.duration for clip in self.clips), default=0.0)
+
+    def update(self, time_s: float = 0.0) -> None:
+        """Pose the scene at `time_s` (each clip loops) and bring the world transforms up to date."""
+        for player in self.players:
+            player.apply(self.scene.nodes, time_s)
+        self.scene.update()
+
+    # --- looking ---
+
+    def default_camera(self, aspect: float) -> Camera:
+        """The scene's own camera if it names one, else one that frames everything."""
+        node = self.asset.active_camera
+        if 0 <= node < len(self.asset.nodes):
+            camera = self.asset.nodes[node].camera
+            if camera is not None:
+                return Camera.from_asset(camera, self.scene.nodes.world_matrix(int(self.node_rows[node])))
+        return frame_bounds(*self.scene.bounds(), aspect)
+
+    def render(self, view: View, *, hdr: bool = False) -> Frame:
+        return self.renderer.render(self.scene, view, hdr=hdr)
+
+    def pick(self, view: View, x: float, y: float) -> int:
+        """The node row seen at pixel (x, y) from the top left, or -1."""
+        return pick_node(self.scene, self.residency, view, x, y)
+
+    def close(self) -> None:
+        """Free everything on the device."""
+        self.renderer.release()
+        self.residency.release()

@@ -1,0 +1,103 @@
+"""Driver logs -> ShaderError: the three forms in use, mapped back to the files, each with its source line and a caret.
+
+    Mesa          0:7(11): error: `x' undeclared          (intel's and AMD's open drivers too)
+    NVIDIA        0(7) : error C1008: undefined variable "x"
+    AMD, Intel    ERROR: 0:7: 'x' : undeclared identifier
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from engine.core.errors import Place, ShaderError
+from engine.gpu.types import ShaderSource
+
+_FORMS = (
+    re.compile(r"^\d+:(?P<line>\d+)\((?P<column>\d+)\)\s*:\s*(?P<kind>error|warning)\s*:?\s*(?P<text>.*)$", re.I),
+    re.compile(r"^\d+\((?P<line>\d+)\)\s*:\s*(?P<kind>(?:fatal )?error|warning)\s*(?P<text>.*)$", re.I),
+    re.compile(r"^(?P<kind>ERROR|WARNING)\s*:\s*\d+:(?P<line>\d+)\s*:\s*(?P<text>.*)$", re.I),
+)
+_QUOTED = re.compile(r"[\"'`]([A-Za-z_]\w*)[\"'`]")
+SHOWN = 8  # errors after the first few follow from them
+
+
+@dataclass(frozen=True, slots=True)
+class LogEntry:
+    """One message of a driver. `line` counts in the flattened text from 1; 0 = none given, likewise `column`."""
+
+    kind: str
+    line: int
+    column: int
+    text: str
+
+
+def parse_log(log: str) -> list[LogEntry]:
+    """All messages with a line number, in order; lines of no known form are left out."""
+    entries = []
+    for raw in log.replace("\0", "").splitlines():
+        for form in _FORMS:
+            match = form.match(raw.strip())
+            if match:
+                groups = match.groupdict()
+                kind = "warning" if groups["kind"].lower() == "warning" else "error"
+                entries.append(LogEntry(kind, int(groups["line"]), int(groups.get("column") or 0), groups["text"]))
+                break
+    return entries
+
+
+def place_of(source: ShaderSource, line: int, column: int = 0) -> Place:
+    """The file and line that flattened line `line` came from."""
+    if 1 <= line <= len(source.lines):
+        file, number = source.lines[line - 1]
+        return Place(file, number, column)
+    return Place(f"<{source.stage}>", line, column)
+
+
+def compile_error(source: ShaderSource, log: str, label: str = "") -> ShaderError:
+    """The error to raise when `source` did not compile and the driver said `log`."""
+    errors = [entry for entry in parse_log(log) if entry.kind == "error"]
+    of = f" of {label!r}" if label else ""
+    if not errors:
+        where = place_of(source, 1) if source.lines else None
+        said = log.replace("\0", "").strip() or "the driver said nothing"
+        return ShaderError(f"the {source.stage} stage{of} does not compile: {said}", where=where)
+    text_lines = source.text.splitlines()
+    parts: list[str] = []
+    first = Place()
+    for index, entry in enumerate(errors[:SHOWN]):
+        code = text_lines[entry.line - 1] if 1 <= entry.line <= len(text_lines) else ""
+        column = entry.column or _guess_column(code, entry.text)
+        place = place_of(source, entry.line, column)
+        if index == 0:
+            first = place
+            parts.append(f"{entry.text} [{source.stage} stage{of}]{_excerpt(code, column)}")
+        else:
+            parts.append(f"{place}: {entry.text}{_excerpt(code, column)}")
+    if len(errors) > SHOWN:
+        parts.append(f"and {len(errors) - SHOWN} more")
+    return ShaderError("\n".join(parts), where=first)
+
+
+def link_error(label: str, sources: tuple[ShaderSource, ...], log: str) -> ShaderError:
+    """The error to raise when stages that compiled do not link; drivers name no line then."""
+    said = log.replace("\0", "").strip() or "the driver said nothing"
+    files = [source.lines[-1][0] for source in sources if source.lines]
+    return ShaderError(f"{label!r} does not link: {said}", where=" + ".join(files) or None)
+
+
+def _guess_column(code: str, text: str) -> int:
+    """NVIDIA, AMD and Intel give no column: that of the first quoted name that stands in the line, else 0."""
+    for name in _QUOTED.findall(text):
+        match = re.search(rf"\b{re.escape(name)}\b", code)
+        if match:
+            return match.start() + 1
+    return 0
+
+
+def _excerpt(code: str, column: int) -> str:
+    if not code.strip():
+        return ""
+    shown = code.rstrip().replace("\t", " ")
+    caret = f"\n    {' ' * (column - 1)}^" if column else ""
+    return f"\n    {shown}{caret}"

@@ -1,0 +1,72 @@
+"""Environments: from what a scene says of its surroundings to a map on the GPU.
+
+Baking (an HDRI, a procedural sky) is the importers' work: whoever opens a scene hands in a `baker`. The studio is shipped
+baked; a uniform one and none need no file.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from engine.assets.scene import EnvironmentAsset
+from engine.core.errors import InputError
+from engine.core.findings import Findings
+from engine.core.paths import shaders_dir
+from engine.gpu.types import Device
+from engine.resources.environment import EnvironmentMap
+
+#: gives the baked .dds of an environment; raises InputError
+Baker = Callable[[EnvironmentAsset], Path]
+
+
+class Environments:
+    """Maps by key, the last few kept. What cannot be had becomes the studio, with a finding."""
+
+    KEEP = 4
+
+    def __init__(self, device: Device) -> None:
+        self._device = device
+        self._maps: dict[tuple[object, ...], EnvironmentMap] = {}
+        self.baker: Baker | None = None
+        self.findings = Findings()
+
+    def get(self, environment: EnvironmentAsset) -> EnvironmentMap:
+        key = environment_key(environment)
+        found = self._maps.get(key)
+        if found is None:
+            found = self._maps[key] = self._load(environment)
+            while len(self._maps) > self.KEEP:
+                self._maps.pop(next(iter(self._maps))).release()
+        return found
+
+    def _load(self, environment: EnvironmentAsset) -> EnvironmentMap:
+        kind = environment.kind
+        if kind in ("uniform", "none"):
+            return EnvironmentMap.uniform(self._device, environment.color if kind == "uniform" else (0.0, 0.0, 0.0))
+        studio = shaders_dir() / "data" / "studio.env.dds"
+        try:
+            if kind == "studio":
+                return EnvironmentMap.from_file(self._device, studio)
+            if self.baker is None:
+                raise InputError(f"environment {kind!r} has to be baked first", hint="open the scene through the importers")
+            return EnvironmentMap.from_file(self._device, self.baker(environment))
+        except InputError as error:
+            self.findings.error("environment.unreadable", str(error), hint="the studio is shown instead")
+            return EnvironmentMap.from_file(self._device, studio)
+
+    def release(self) -> None:
+        for env_map in self._maps.values():
+            env_map.release()
+        self._maps.clear()
+
+
+def environment_key(environment: EnvironmentAsset) -> tuple[object, ...]:
+    """What of an environment asks for another map; its intensity and rotation do not."""
+    if environment.kind == "uniform":
+        return ("uniform", environment.color)
+    if environment.kind == "image":
+        return ("image", environment.path)
+    if environment.kind == "sky":
+        return ("sky", environment.sun_elevation, environment.sun_azimuth, environment.turbidity)
+    return (environment.kind,)

@@ -1,0 +1,110 @@
+"""RenderFrame: what the passes of one frame see; Frame: what the caller gets."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.framegraph.compiled import CompiledGraph
+from engine.gpu.types import Bindings, Buffer, Device, RenderPass, Sampler, Texture
+from engine.render.draw_list import Batch, DrawList
+from engine.render.facts import SceneFacts
+from engine.render.programs import Programs
+from engine.render.view import View
+from engine.report.stats import FrameStats
+from engine.resources.environment import DfgTable, EnvironmentMap
+from engine.resources.residency import Residency
+
+# Binding numbers shared with the shaders' prelude (programs.py) and lib/environment.glsl.
+VIEW_BINDING = 0
+PASS_BINDING = 1
+TRANSFORM_BINDING = 0
+OBJECT_BINDING = 1
+MATERIAL_BINDING = 2
+LIGHT_BINDING = 3
+ENVIRONMENT_UNIT = 8
+DFG_UNIT = 9
+INPUT_UNIT = 10
+
+
+@dataclass(slots=True)
+class RenderFrame:
+    """Everything a pass may use besides its own textures."""
+
+    device: Device
+    view: View
+    facts: SceneFacts
+    residency: Residency
+    programs: Programs
+    draws: DrawList
+    environment: EnvironmentMap
+    dfg: DfgTable
+    view_buffer: Buffer
+    transforms: Buffer
+    lights: Buffer
+    point_sampler: Sampler
+    look: Mapping[str, Any] = field(default_factory=dict)
+    pass_buffers: dict[str, Buffer] = field(default_factory=dict)
+
+    def pass_block(self, name: str, row: NDArray[np.void]) -> Buffer:
+        """The uniform buffer of a pass, holding `row`."""
+        data = row.tobytes()
+        buffer = self.pass_buffers.get(name)
+        if buffer is None:
+            buffer = self.pass_buffers[name] = self.device.buffer(data, label=name)
+        else:
+            buffer.write(data)
+        return buffer
+
+    def view_bindings(self, textures: Mapping[int, Any] | None = None, uniforms: Mapping[int, Any] | None = None) -> Bindings:
+        """The view block and the environment, plus a pass's own inputs."""
+        return Bindings(
+            uniforms={VIEW_BINDING: self.view_buffer, **(uniforms or {})},
+            textures={
+                ENVIRONMENT_UNIT: (self.environment.texture, self.environment.sampler),
+                DFG_UNIT: (self.dfg.texture, self.dfg.sampler),
+                **(textures or {}),
+            },
+        )
+
+    def draw_batches(self, render_pass: RenderPass, batches: list[Batch], samples: int) -> None:
+        """Draw batches with their pipelines, arenas and materials: one multi-draw each."""
+        for batch in batches:
+            state = batch.state
+            arena = self.residency.arenas[state.arena]
+            render_pass.set_pipeline(self.programs.surface(state, arena, self.facts, samples))
+            render_pass.set_vertex_buffers({**arena.streams, "object": self.draws.ids}, arena.indices)
+            materials = self.residency.materials
+            render_pass.set_bindings(
+                Bindings(
+                    uniforms={VIEW_BINDING: self.view_buffer},
+                    storage={
+                        TRANSFORM_BINDING: self.transforms,
+                        OBJECT_BINDING: self.draws.objects,
+                        MATERIAL_BINDING: materials.buffer(state.effect),
+                        LIGHT_BINDING: self.lights,
+                    },
+                    textures={
+                        **materials.bindings(state.group),
+                        ENVIRONMENT_UNIT: (self.environment.texture, self.environment.sampler),
+                        DFG_UNIT: (self.dfg.texture, self.dfg.sampler),
+                    },
+                )
+            )
+            render_pass.multi_draw_indexed_indirect(self.draws.commands, batch.first, batch.count)
+
+
+@dataclass(slots=True)
+class Frame:
+    """`color`: rgba8, sRGB-encoded, top row first. `hdr`: rgba32f scene-linear where it was asked for, else None.
+
+    Both belong to the renderer and hold until its next frame."""
+
+    color: Texture
+    hdr: Texture | None
+    stats: FrameStats
+    graph: CompiledGraph

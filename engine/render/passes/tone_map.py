@@ -1,0 +1,42 @@
+"""HDR to display: exposure, tone map, sRGB; the samples of a pixel are averaged after the curve, so that a bright edge
+stays smooth."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import numpy as np
+
+from engine.framegraph.builder import Builder
+from engine.framegraph.passes import Pass, PassContext
+from engine.gpu.glsl_layout import Field, layout
+from engine.gpu.types import ColorAttachment
+from engine.render.frame import INPUT_UNIT, PASS_BINDING, RenderFrame
+from engine.render.settings import TONE_MAPS
+
+BLOCK = layout([Field("exposure_scale", "float")], rule="std140")
+
+
+class ToneMapPass(Pass):
+    name: ClassVar[str] = "tone_map"
+
+    def declare(self, b: Builder) -> None:
+        b.read("hdr")
+        b.create("color", "rgba8")
+        b.present("color")
+
+    def execute(self, ctx: PassContext) -> None:
+        frame: RenderFrame = ctx.frame
+        row = np.zeros((), BLOCK.dtype)
+        row["exposure_scale"] = 2.0 ** frame.look["exposure"]
+        block = frame.pass_block(self.name, row)
+        defines = {"TONE_MAP": TONE_MAPS.index(frame.facts.tone_map), "SAMPLES": frame.facts.samples}
+        pipeline = frame.programs.screen("tone_map.frag", block=BLOCK, block_name="tone_map", defines=defines)
+        with ctx.device.render_pass(self.name, [ColorAttachment(ctx.texture("color"))]) as render_pass:
+            render_pass.set_pipeline(pipeline)
+            render_pass.set_bindings(
+                frame.view_bindings(
+                    {INPUT_UNIT: (ctx.texture("hdr"), frame.point_sampler)}, {PASS_BINDING: block}
+                )
+            )
+            render_pass.draw(3)

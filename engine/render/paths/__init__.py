@@ -1,0 +1,1 @@
+"""Render paths: which passes, in which order, make a frame."""

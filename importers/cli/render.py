@@ -1,0 +1,171 @@
+"""`lucarna render`: a scene or a source file becomes a picture, without a window."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from engine.core.errors import UsageError
+
+if TYPE_CHECKING:
+    from engine.app.runtime import Runtime
+    from engine.render.camera import Camera
+    from engine.render.frame import Frame
+    from engine.render.settings import RenderSettings
+
+SUMMARY = "render a scene or a model to .png or .exr, headless"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("scene", type=Path, help="*.scene.json, a project folder, or a source file (.glb, .gltf, …)")
+    parser.add_argument("--out", type=Path, required=True, help="picture to write: .png (display) or .exr (linear HDR)")
+    parser.add_argument("--size", default="1280x720", help="WIDTHxHEIGHT in pixels (default 1280x720)")
+    parser.add_argument("--time", type=float, default=0.0, help="seconds into the animation")
+    parser.add_argument("--camera", default="", help="name of the scene's camera to use; 'auto' frames everything")
+    parser.add_argument("--orbit", default="", help="AZIMUTH,ELEVATION in degrees of a camera that frames everything")
+    parser.add_argument("--exposure", type=float, help="EV, added to the scene's")
+    parser.add_argument("--tone-map", dest="tone_map", help="agx | aces | neutral | none (default: the scene's)")
+    parser.add_argument("--environment", help="studio | sky | uniform | none | an .hdr or .exr file, instead of the scene's")
+    parser.add_argument("--view", help="debug view: base_color, normal, roughness, metallic, occlusion, emission")
+    parser.add_argument(
+        "--set", dest="settings", action="append", default=[], metavar="NAME=VALUE", help="set any render setting"
+    )
+    parser.add_argument("--force-all", action="store_true", help="leave nothing out (the picture must be the same)")
+    parser.add_argument("--explain", action="store_true", help="say which passes and branches were left out, and why")
+    parser.add_argument("--stats", type=Path, metavar="FILE.json", help="write per-pass times and counters")
+    parser.add_argument("--preset", default="normal", help="texture quality where a source has to be converted")
+
+
+def run(args: argparse.Namespace) -> int:
+    width, height = parse_size(args.size)
+    if args.out.suffix.lower() not in (".png", ".exr"):
+        raise UsageError(f"cannot write {args.out.suffix or 'a file without extension'}", hint="use .png or .exr")
+    start = time.perf_counter()
+    settings = _render_settings(args)
+
+    from engine.app.runtime import Runtime
+    from engine.gpu import open_device
+    from engine.render.view import View
+    from importers.opening import open_path
+    from importers.settings import ImportSettings
+
+    device = open_device("gl")
+    runtime = Runtime(device, profile=args.stats is not None)
+    try:
+        findings = open_path(runtime, args.scene, settings=ImportSettings(preset=args.preset))
+        _apply_environment(runtime, args.environment)
+        runtime.update(args.time)
+        view = View(_camera(runtime, args, width / height), width, height, settings)
+        opened = time.perf_counter()
+        frame = _write(runtime, view, args.out)
+        for finding in (*findings, *runtime.renderer.environments.findings):
+            print(finding, file=sys.stderr)
+        for variant, error in runtime.renderer.programs.errors.items():
+            print(f"error: {variant}: {error} (drawn in magenta)", file=sys.stderr)
+        if args.explain:
+            _explain(runtime, frame)
+        if args.stats is not None:
+            _write_stats(args, frame, opened - start, time.perf_counter() - start)
+        print(f"{args.out}: {width}x{height}, {time.perf_counter() - start:.2f} s")
+        failed = findings.has_errors or bool(runtime.renderer.programs.errors)
+    finally:
+        runtime.close()
+    return 1 if failed else 0
+
+
+def parse_size(text: str) -> tuple[int, int]:
+    """`640x360` -> (640, 360). Raises UsageError."""
+    parts = text.lower().split("x")
+    if len(parts) != 2 or not all(p.isdigit() and 1 <= int(p) <= 16384 for p in parts):
+        raise UsageError(f"--size {text!r} is no size", hint="write WIDTHxHEIGHT with 1 to 16384 pixels, as 1280x720")
+    return int(parts[0]), int(parts[1])
+
+
+def _render_settings(args: argparse.Namespace) -> RenderSettings:
+    from engine.render.settings import RenderSettings
+
+    values: dict[str, Any] = {}
+    for item in args.settings:
+        name, separator, value = item.partition("=")
+        if not separator:
+            raise UsageError(f"--set {item!r}: expected NAME=VALUE")
+        values[name.strip()] = value.strip()
+    for name in ("exposure", "tone_map", "view"):
+        if getattr(args, name) is not None:
+            values[name] = getattr(args, name)
+    if args.force_all:
+        values["force_all"] = True
+    return RenderSettings(**values)
+
+
+def _camera(runtime: Runtime, args: argparse.Namespace, aspect: float) -> Camera:
+    from engine.app.framing import frame_bounds
+    from engine.render.camera import Camera
+
+    if args.orbit:
+        try:
+            azimuth, elevation = (float(v) for v in args.orbit.split(","))
+        except ValueError as error:
+            raise UsageError(f"--orbit {args.orbit!r}: expected AZIMUTH,ELEVATION in degrees") from error
+        return frame_bounds(*runtime.scene.bounds(), aspect, azimuth=azimuth, elevation=elevation)
+    if args.camera == "auto":
+        return frame_bounds(*runtime.scene.bounds(), aspect)
+    if args.camera:
+        names = {n.name: i for i, n in enumerate(runtime.asset.nodes) if n.camera is not None}
+        if args.camera not in names:
+            raise UsageError(f"there is no camera {args.camera!r}", hint=f"cameras: {', '.join(names) or 'none'}")
+        index = names[args.camera]
+        camera = runtime.asset.nodes[index].camera
+        assert camera is not None
+        return Camera.from_asset(camera, runtime.scene.nodes.world_matrix(int(runtime.node_rows[index])))
+    return runtime.default_camera(aspect)
+
+
+def _apply_environment(runtime: Runtime, choice: str | None) -> None:
+    if choice is None:
+        return
+    environment = runtime.scene.environment
+    if choice in ("studio", "sky", "uniform", "none"):
+        environment.kind = choice
+        return
+    path = Path(choice).resolve()
+    if not path.is_file():
+        raise UsageError(f"--environment {choice!r}: no such file", hint="studio, sky, uniform, none, or an .hdr or .exr file")
+    environment.kind, environment.path, environment.sun_illuminance = "image", str(path), 0.0
+
+
+def _write(runtime: Runtime, view: Any, out: Path) -> Frame:
+    from engine.app.headless import render_hdr, render_image
+    from engine.report.image import save_exr, save_png
+
+    if out.suffix.lower() == ".exr":
+        hdr, frame = render_hdr(runtime, view)
+        save_exr(out, hdr[:, :, :3])
+        return frame
+    image, frame = render_image(runtime, view)
+    look = {f"lucarna.{name}": str(value) for name, value in view.settings.values().items()}
+    save_png(out, image[:, :, :3], look)
+    return frame
+
+
+def _explain(runtime: Runtime, frame: Frame) -> None:
+    from engine.framegraph.explain import explain
+
+    for line in explain(frame.graph, runtime.residency.effects):
+        print(line)
+    for macro, value in frame.graph.facts.variant_defines().items():
+        if not value:
+            print(f"branch {macro}: left out of every surface shader, the scene has none of it")
+
+
+def _write_stats(args: argparse.Namespace, frame: Frame, open_s: float, total_s: float) -> None:
+    from engine.core.atomic import write_text
+
+    data = frame.stats.to_json()
+    data["seconds"] = {"open": round(open_s, 4), "total": round(total_s, 4)}
+    data["left_out"] = [{"pass": item.name, "reason": item.reason, "bytes": item.saved} for item in frame.graph.left_out]
+    write_text(args.stats, json.dumps(data, indent=2, sort_keys=True) + "\n")
