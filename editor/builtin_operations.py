@@ -8,7 +8,7 @@ from pathlib import Path
 
 from editor import camera_controls
 from editor.navigation import PRESETS
-from editor.operations import Operation, Operations
+from editor.operations import Operation, Operations, always
 from editor.session import Session
 
 
@@ -134,6 +134,14 @@ def _toggle_loop(session: Session) -> None:
 
 
 
+def _toggle_orthographic(session: Session) -> None:
+    session.camera = replace(session.camera, orthographic=not session.camera.orthographic)
+
+
+def _is_orthographic(session: Session) -> bool:
+    return session.camera.orthographic
+
+
 def _save_as(session: Session) -> None:
     session.ui.save_dialog = True
 
@@ -154,11 +162,18 @@ def builtin_operations() -> Operations:
     ops = Operations()
     doc, sel = _has_document, _has_selection
 
-    def add(id: str, label: str, run: Callable[[Session], None], *keys: str, menu: str = "",
-            enabled: Callable[[Session], bool] | None = None,
-            checked: Callable[[Session], bool] | None = None, separator: bool = False, about: str = "") -> None:  # fmt: skip
-        extra = {} if enabled is None else {"enabled": enabled}
-        ops.add(Operation(id, label, run, menu, keys, checked=checked, separator=separator, doc=about, **extra))
+    def add(
+        id: str,
+        label: str,
+        run: Callable[[Session], None],
+        *keys: str,
+        menu: str = "",
+        enabled: Callable[[Session], bool] = always,
+        checked: Callable[[Session], bool] | None = None,
+        separator: bool = False,
+        about: str = "",
+    ) -> None:
+        ops.add(Operation(id, label, run, menu, keys, enabled, checked, separator, about))
 
     add("file.open", "Open…", _ask("open_dialog"), "Ctrl+O", menu="File", about="A project, folder, scene or model")
     add("file.reload", "Reload", reload_document, "Ctrl+R", menu="File", enabled=doc)
@@ -182,6 +197,8 @@ def builtin_operations() -> Operations:
     opposite = {"back": "Ctrl+Keypad1", "left": "Ctrl+Keypad3", "bottom": "Ctrl+Keypad7"}
     for i, (side, key) in enumerate({**sides, **opposite}.items()):
         add(f"view.{side}", f"View from the {side}", _view(side), key, menu="View", enabled=doc, separator=i == 0)
+    add("view.orthographic", "Orthographic", _toggle_orthographic, "Keypad5", menu="View", enabled=doc,
+        checked=_is_orthographic)  # fmt: skip
     for name, label in (
         ("show_axes", "Axes"), ("show_stats", "Statistics"), ("show_outline", "Selection outline"),
     ):  # fmt: skip
@@ -204,7 +221,8 @@ def builtin_operations() -> Operations:
     add("help.welcome", "Welcome", _ask("welcome"), menu="Help")
     for preset in PRESETS:
         run, checked = _keymap(preset)
-        add(f"help.keymap-{preset}", f"Keymap: {preset}", run, menu="Help", checked=checked, separator=preset == "industry")
+        first = preset == "industry"
+        add(f"help.keymap-{preset}", f"Keymap: {preset}", run, menu="Help", checked=checked, separator=first)
     add("help.about", "About Lucarna", _ask("about"), menu="Help", separator=True)
     return ops
 

@@ -24,7 +24,7 @@ class Cancelled(Exception):
 
 @dataclass(slots=True)
 class Resolved:
-    """A path the user opened, resolved to a scene file. `project_root`: the project's folder, or None for loose files."""
+    """A path the user opened, resolved to a scene file. `project_root`: its project's folder; None for loose files."""
 
     source: Path
     scene: Path
@@ -49,7 +49,7 @@ class Runtime(Protocol):
 
 
 class Host(Protocol):
-    """Makes runtimes and views. `resolve` runs in a worker thread and touches no GPU; the rest on the window's thread."""
+    """Makes runtimes and views. `resolve` runs in a worker thread and touches no GPU; all else on the window's."""
 
     def open_device(self, attach: bool) -> Any: ...
     def resolve(self, path: Path, progress: Progress) -> Resolved: ...
@@ -84,14 +84,19 @@ class EngineHost:
         return runtime
 
     def new_settings(self) -> ParamBlock:
-        from engine.render import RenderSettings
+        from engine.render.settings import RenderSettings
 
         return RenderSettings()
 
     def view(self, camera: OrbitCamera, width: int, height: int, settings: ParamBlock) -> Any:
-        from engine.render import Camera, View
+        from engine.render.camera import Camera
+        from engine.render.settings import RenderSettings
+        from engine.render.view import View
 
-        eye = Camera(world_from_camera=camera.world_from_camera(), yfov=camera.yfov, znear=camera.znear)
+        assert isinstance(settings, RenderSettings)
+        eye = Camera(camera.world_from_camera(), camera.yfov, camera.znear)
+        if camera.orthographic:
+            eye = Camera(eye.world_from_camera, camera.yfov, camera.znear, 200.0 * camera.distance, camera.ymag)
         return View(camera=eye, width=width, height=height, settings=settings)
 
     def source_extensions(self) -> Sequence[str]:

@@ -62,7 +62,12 @@ PRESETS: dict[str, tuple[Binding, ...]] = {
     ),
 }
 #: what the wheel (or two fingers) does by preset and modifier; "zoom" goes to the cursor
-WHEEL = {frozenset[str](): "zoom", frozenset({"shift"}): "pan", frozenset({"alt"}): "orbit", frozenset({"ctrl"}): "zoom"}
+WHEEL: dict[frozenset[str], str] = {
+    frozenset(): "zoom",
+    frozenset({"ctrl"}): "zoom",
+    frozenset({"shift"}): "pan",
+    frozenset({"alt"}): "orbit",
+}
 DEFAULT_PRESET = "industry"
 
 
@@ -76,7 +81,13 @@ def motion_for(preset: str, button: str, modifiers: frozenset[str]) -> str:
 
 def hints(preset: str) -> list[tuple[str, str]]:
     """(gesture, what it does) for help cards, in reading order; the first binding of each motion."""
-    words = {"orbit": "Orbit", "pan": "Pan", "dolly": "Zoom", "fly": "Fly, with W A S D Q E", "environment": "Turn the light"}
+    words = {
+        "orbit": "Orbit",
+        "pan": "Pan",
+        "dolly": "Zoom",
+        "fly": "Fly, with W A S D Q E",
+        "environment": "Turn the light",
+    }
     buttons = {"left": "left drag", "middle": "middle drag", "right": "right drag"}
     found: dict[str, str] = {}
     for binding in PRESETS.get(preset, PRESETS[DEFAULT_PRESET]):

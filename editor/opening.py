@@ -1,4 +1,4 @@
-"""From what the user named to a scene file: projects, folders, sources, scenes; in a worker thread that can be cancelled."""
+"""From what the user named (project, folder, source, scene) to a scene file, in a worker thread with a cancel."""
 
 from __future__ import annotations
 
@@ -50,7 +50,9 @@ def scene_stem(path: Path) -> str:
 
 
 def pick_from_folder(folder: Path, extensions: Sequence[str]) -> Path:
-    """The file of a folder most likely meant: a scene before sources, the shallowest, the largest. Raises InputError."""
+    """The file of a folder most likely meant: scenes before sources, shallow before deep, then the largest.
+
+    Raises InputError when there is none."""
     best: tuple[tuple[int, int, int], Path] | None = None
     seen = 0
     for base, folders, files in folder.walk() if hasattr(folder, "walk") else _walk(folder):

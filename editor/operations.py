@@ -12,7 +12,7 @@ from editor.session import Session
 from engine.core.errors import UsageError
 
 
-def _always(session: Session) -> bool:
+def always(session: Session) -> bool:
     return True
 
 
@@ -26,7 +26,7 @@ class Operation:
     run: Callable[[Session], None]
     menu: str = ""
     shortcuts: tuple[str, ...] = ()
-    enabled: Callable[[Session], bool] = _always
+    enabled: Callable[[Session], bool] = always
     checked: Callable[[Session], bool] | None = None
     separator: bool = False
     doc: str = ""

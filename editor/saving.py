@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import copy
 import dataclasses
+import filecmp
 import os
 import shutil
 from collections.abc import Iterable, Mapping
@@ -135,7 +136,7 @@ def _copy(source: Path, target: Path) -> bool:
     """Copy unless the target holds the same bytes already; False when there was nothing to do."""
     if not source.is_file():
         return False  # a missing file was reported when the scene was opened
-    if target.is_file() and target.stat().st_size == source.stat().st_size and target.read_bytes() == source.read_bytes():
+    if target.is_file() and filecmp.cmp(source, target, shallow=False):
         return False
     with atomic_path(target) as temporary:
         try:

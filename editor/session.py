@@ -228,12 +228,12 @@ class Session:
         if self.document is None:
             return
         low, high = self.document.bounds(self.document.selection)
-        if not np.isfinite(low).all() or not self.document.selection:
-            return self.frame_all()
-        if float(np.linalg.norm(high - low)) <= 0.0:  # a light or an empty: keep the distance, go there
+        if not self.document.selection or not np.isfinite(low).all():
+            self.frame_all()
+            return
+        if float(np.linalg.norm(high - low)) <= 0.0:  # a light or an empty: something of a metre round it
             low, high = low - 0.5, high + 0.5
         self.camera = camera_controls.frame(self.camera, low, high, self.aspect)
-        return None
 
     def frame_all(self) -> None:
         if self.document is not None:

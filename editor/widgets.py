@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from imgui_bundle import imgui
 
-from editor import theme
+from editor import icons, theme
 from editor.theme import Rgba
 from editor.ui import Ui
 
@@ -44,10 +44,14 @@ def icon_button(label: str, hint: str, *, active: bool = False, enabled: bool = 
 
 
 def search_field(label: str, value: str, hint: str) -> str:
-    """A text field over the full width with a hint; returns what stands in it."""
-    imgui.set_next_item_width(-1)
-    _changed, value = imgui.input_text_with_hint(label, hint, value)
-    return str(value)
+    """A text field over the full width with a hint, and a cross to empty it; returns what stands in it."""
+    imgui.set_next_item_width(-em(2.0) if value else -1)
+    _changed, new = imgui.input_text_with_hint(label, hint, value)
+    if value:
+        imgui.same_line(0, em(0.2))
+        if icon_button(f"{icons.CLEAR}{label}-clear", "Clear"):
+            return ""
+    return str(new)
 
 
 @contextmanager

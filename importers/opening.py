@@ -14,7 +14,9 @@ from importers.cache import scene_for
 from importers.settings import ImportSettings
 
 
-def scene_path(path: Path, settings: ImportSettings, progress: Callable[[str, float], None] | None = None) -> tuple[Path, Findings]:
+def scene_path(
+    path: Path, settings: ImportSettings, progress: Callable[[str, float], None] | None = None
+) -> tuple[Path, Findings]:
     """The `*.scene.json` of a project folder, a scene or a source (converted through the cache), and what was noticed.
 
     Raises InputError when there is nothing to open, FormatError when the source is no sound file.

@@ -197,10 +197,6 @@ def sphere(radius: float, segments: int = 48, rings: int = 24) -> Mesh:
     u[[0, -1]] += 0.5 / segments
     v = np.broadcast_to(0.5 - latitude / np.pi, x.shape)
     triangles = _grid(rings + 1, segments + 1)
-    cells = rings * segments
-    keep = np.ones(2 * cells, bool)
-    keep[:segments] = False  # the first half of the lowest row is empty, and the second half of the highest
-    keep[2 * cells - segments :] = False
     flat = normals.reshape(-1, 3)
     mesh = Mesh(flat * radius, flat, np.stack([u, v], -1).reshape(-1, 2), triangles)
     mesh.triangles = _not_empty(mesh)
@@ -210,7 +206,8 @@ def sphere(radius: float, segments: int = 48, rings: int = 24) -> Mesh:
 def _not_empty(mesh: Mesh) -> NDArray[np.int64]:
     a, b, c = (mesh.positions[mesh.triangles[:, i]] for i in range(3))
     area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
-    return mesh.triangles[area > 1e-14]
+    kept: NDArray[np.int64] = mesh.triangles[area > 1e-14]
+    return kept
 
 
 def ring(radius: float, width: float, height: float, segments: int, bevel: float, **options: float) -> Mesh:
@@ -226,7 +223,7 @@ def annulus(inner: float, outer: float, segments: int, u_repeat: float = 1.0) ->
     return mesh
 
 
-def tube(path: Sequence[Sequence[float]], radii: float | Sequence[float], sides: int = 12) -> Mesh:
+def tube(path: Sequence[Sequence[float]], radii: float | Sequence[float] | Array, sides: int = 12) -> Mesh:
     """A round bar along `path` f8[n,3], closed by half-round ends. u around, v along (1 per 0.1 m)."""
     points = np.array(path, np.float64)
     radius = np.broadcast_to(np.array(radii, np.float64), (len(points),)).copy()
@@ -315,7 +312,7 @@ def gear(teeth: int, module: float, thickness: float, bore: float, spokes: int =
         lathe([(bore, -half * 1.5), (hub, -half * 1.5), (hub, half * 1.5), (bore, half * 1.5)], 28, bevel, closed=True)
     )
     mesh = merge(parts)
-    return mesh.with_uvs(lambda p, n: polar_uvs(p, n, around=3.0, per_metre=12.0))
+    return polar(mesh, around=3.0, per_metre=12.0)
 
 
 def _toothed_rim(angles: Array, radii: Array, inner: float, half: float, bevel: float) -> Mesh:
@@ -357,12 +354,23 @@ def _toothed_rim(angles: Array, radii: Array, inner: float, half: float, bevel: 
     return Mesh(everything, np.concatenate(normals), np.zeros((len(everything), 2)), np.concatenate(triangles))
 
 
-def polar_uvs(positions: Array, normals: Array, around: float, per_metre: float) -> Array:
-    """u by the angle about +Y, v along the radius on faces that look up or down, along y elsewhere."""
-    angle = np.arctan2(positions[:, 0], positions[:, 2]) / TAU
-    radius = np.linalg.norm(positions[:, [0, 2]], axis=1)
-    along = np.where(np.abs(normals[:, 1]) > 0.5, -radius, -positions[:, 1])
-    return np.stack([angle * around, along * per_metre], 1)
+def polar(mesh: Mesh, around: float, per_metre: float) -> Mesh:
+    """uvs for brushing in circles: u by the angle about +Y (`around` repeats a turn), v along the radius on faces that
+    look up or down, along y elsewhere. Vertices of triangles across the seam are doubled."""
+    turn = np.arctan2(mesh.positions[:, 0], mesh.positions[:, 2]) / TAU
+    corner = turn[mesh.triangles]
+    wrapped = (corner.max(1) - corner.min(1) > 0.5)[:, None] & (corner < 0)
+    doubled = np.unique(mesh.triangles[wrapped])
+    renumber = np.zeros(len(mesh.positions), np.int64)
+    renumber[doubled] = len(mesh.positions) + np.arange(len(doubled))
+    mesh.triangles = np.where(wrapped, renumber[mesh.triangles], mesh.triangles)
+    mesh.positions = np.concatenate([mesh.positions, mesh.positions[doubled]])
+    mesh.normals = np.concatenate([mesh.normals, mesh.normals[doubled]])
+    turn = np.concatenate([turn, turn[doubled] + 1.0])
+    radius = np.linalg.norm(mesh.positions[:, [0, 2]], axis=1)
+    along = np.where(np.abs(mesh.normals[:, 1]) > 0.5, -radius, -mesh.positions[:, 1])
+    mesh.uvs = np.stack([turn * around, along * per_metre], 1)
+    return mesh
 
 
 def planar_uvs(per_metre: float, lean: float = 0.0) -> Callable[[Array, Array], Array]:

@@ -18,7 +18,7 @@ def frame_bounds(
     low: NDArray[np.float64], high: NDArray[np.float64], aspect: float, *,
     azimuth: float = AZIMUTH, elevation: float = ELEVATION, yfov: float = math.radians(40.0),
 ) -> Camera:  # fmt: skip
-    """A camera that sees the box [low, high] (f8[3] each, world) with a small margin. Angles in degrees, `yfov` radians.
+    """A camera that sees the box [low, high] (f8[3], world) with a small margin; angles in degrees, `yfov` in radians.
 
     An empty or non-finite box gives a camera 3 m from the origin.
     """

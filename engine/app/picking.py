@@ -31,7 +31,9 @@ def pick_node(scene: Scene, residency: Residency, view: View, x: float, y: float
     along = to_center @ direction
     off_axis = np.einsum("ij,ij->i", to_center, to_center) - along**2
     shown = table.alive & table.visible & scene.nodes.visible_world[table.node]
-    candidates = np.flatnonzero(shown & (off_axis <= table.world_radius.astype(np.float64) ** 2) & (along > -table.world_radius))
+    candidates = np.flatnonzero(
+        shown & (off_axis <= table.world_radius.astype(np.float64) ** 2) & (along > -table.world_radius)
+    )
     best, best_node = np.inf, -1
     for row in candidates[np.argsort(along[candidates] - table.world_radius[candidates])]:
         if along[row] - table.world_radius[row] > best:

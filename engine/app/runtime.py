@@ -95,7 +95,9 @@ class Runtime:
             meshes = files[node.mesh.file]
             if not 0 <= node.mesh.index < len(meshes):
                 self.findings.error(
-                    "mesh.index", f"mesh {node.mesh.index} of {node.mesh.file}, which has {len(meshes)}", f"nodes[{i}].mesh"
+                    "mesh.index",
+                    f"mesh {node.mesh.index} of {node.mesh.file}, which has {len(meshes)}",
+                    f"nodes[{i}].mesh",
                 )
                 continue
             mesh = meshes[node.mesh.index]

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field
-from enum import Enum
+from enum import StrEnum
 from typing import Any
 
 from engine.core.errors import Place
 
 
-class Severity(str, Enum):
+class Severity(StrEnum):
     INFO = "info"
     WARNING = "warning"
     ERROR = "error"
+
+
+NOWHERE = Place()
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,7 +26,7 @@ class Finding:
     severity: Severity
     code: str
     message: str
-    where: Place = Place()
+    where: Place = NOWHERE
     hint: str = ""
 
     def __str__(self) -> str:
@@ -39,14 +42,21 @@ class Finding:
 
 @dataclass(slots=True)
 class Findings:
-    """Collects findings; `file` is filled in for every place that names none."""
+    """Collects findings, each once; `file` is filled in for every place that names none.
+
+    Beyond `limit` they are only counted, in `left_out`: a broken file may hold a million mistakes.
+    """
 
     file: str = ""
     items: list[Finding] = field(default_factory=list)
+    limit: int = 500
+    left_out: int = 0
 
     def add(self, severity: Severity, code: str, message: str, path: str = "", hint: str = "") -> None:
         finding = Finding(severity, code, message, Place(self.file, path=path), hint)
-        if finding not in self.items:
+        if len(self.items) >= self.limit:
+            self.left_out += 1
+        elif finding not in self.items:
             self.items.append(finding)
 
     def info(self, code: str, message: str, path: str = "", hint: str = "") -> None:

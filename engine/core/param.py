@@ -71,7 +71,9 @@ class Param:
             if not math.isfinite(number):
                 raise UsageError(f"{self.name}: {number} is not a finite number")
             if not self.min <= number <= self.max:
-                raise UsageError(f"{self.name}: {number:g} is outside [{self.min:g}, {self.max:g}] {self.unit}".rstrip())
+                raise UsageError(
+                    f"{self.name}: {number:g} is outside [{self.min:g}, {self.max:g}] {self.unit}".rstrip()
+                )
         if count > 1:
             return parts
         return int(parts[0]) if self.type in {"int", "uint"} else parts[0]

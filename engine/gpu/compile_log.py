@@ -1,8 +1,8 @@
 """Driver logs -> ShaderError: the three forms in use, mapped back to the files, each with its source line and a caret.
 
-    Mesa          0:7(11): error: `x' undeclared          (intel's and AMD's open drivers too)
-    NVIDIA        0(7) : error C1008: undefined variable "x"
-    AMD, Intel    ERROR: 0:7: 'x' : undeclared identifier
+Mesa          0:7(11): error: `x' undeclared          (intel's and AMD's open drivers too)
+NVIDIA        0(7) : error C1008: undefined variable "x"
+AMD, Intel    ERROR: 0:7: 'x' : undeclared identifier
 """
 
 from __future__ import annotations

@@ -40,6 +40,7 @@ class Caps:
     uniform_alignment: int = 256  # offsets of bound uniform and storage ranges are multiples of these
     storage_alignment: int = 256
     max_uniform_bytes: int = 65536
+    max_samples: int = 1  # of a multisampled colour and depth texture
 
 
 # --- resources -----------------------------------------------------------------------------------------------------
@@ -245,7 +246,12 @@ class RenderPass(Protocol):
     def set_viewport(self, x: int, y: int, width: int, height: int) -> None: ...
     def draw(self, vertex_count: int, instance_count: int = 1, first_vertex: int = 0) -> None: ...
     def draw_indexed(
-        self, index_count: int, instance_count: int = 1, first_index: int = 0, base_vertex: int = 0, base_instance: int = 0
+        self,
+        index_count: int,
+        instance_count: int = 1,
+        first_index: int = 0,
+        base_vertex: int = 0,
+        base_instance: int = 0,
     ) -> None: ...
     def multi_draw_indexed_indirect(self, commands: Buffer, first: int, count: int) -> None:
         """`commands`: u4[?,5] rows index_count, instance_count, first_index, base_vertex, base_instance."""
@@ -281,6 +287,10 @@ class Counters:
     bytes_read: int = 0
     programs_compiled: int = 0
     indirect_commands: int = 0
+
+    def reset(self) -> None:
+        for name in self.__slots__:
+            setattr(self, name, 0)
 
     def snapshot(self) -> dict[str, int]:
         return {name: getattr(self, name) for name in self.__slots__}

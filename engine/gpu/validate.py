@@ -6,6 +6,10 @@ All raise UsageError (the call is wrong) or DeviceError (this device cannot), an
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from engine.assets.texture import mip_extent
 from engine.core.errors import DeviceError, UsageError
@@ -26,7 +30,14 @@ KINDS = ("2d", "2d-array", "cube", "3d")
 COMPARES = ("never", "less", "equal", "lequal", "greater", "notequal", "gequal", "always")
 TOPOLOGIES = ("triangles", "triangle_strip", "lines", "points")
 WRAPS = ("repeat", "mirror", "clamp")
-MIN_FILTERS = ("nearest", "linear", "nearest_mip_nearest", "linear_mip_nearest", "nearest_mip_linear", "linear_mip_linear")
+MIN_FILTERS = (
+    "nearest",
+    "linear",
+    "nearest_mip_nearest",
+    "linear_mip_nearest",
+    "nearest_mip_linear",
+    "linear_mip_linear",
+)
 ACCESSES = ("read", "write", "read_write")
 
 
@@ -39,11 +50,21 @@ def choice(what: str, value: str, allowed: Sequence[str]) -> None:
         raise UsageError(f"{what}: {value!r} is not one of {', '.join(allowed)}")
 
 
+def as_bytes(data: Any) -> NDArray[np.uint8]:
+    """A flat view of the bytes of an object with the buffer interface, without a copy. Arrays must be C-contiguous."""
+    if isinstance(data, np.ndarray):
+        if not data.flags.c_contiguous:
+            raise UsageError(
+                f"an array of shape {data.shape} and strides {data.strides} is not C-contiguous",
+                hint="pass numpy.ascontiguousarray(...)",
+            )
+        return data.reshape(-1).view(np.uint8)
+    return np.frombuffer(data, np.uint8)
+
+
 def buffer_range(label: str, size: int, offset: int, count: int) -> None:
     if offset < 0 or count < 0 or offset + count > size:
-        raise UsageError(
-            f"{named('buffer', label)}: bytes [{offset}, {offset + count}) lie outside its {size} bytes"
-        )
+        raise UsageError(f"{named('buffer', label)}: bytes [{offset}, {offset + count}) lie outside its {size} bytes")
 
 
 def texture_desc(desc: TextureDesc, caps: Caps) -> None:
@@ -157,9 +178,7 @@ def stream_strides(attributes: tuple[VertexAttribute, ...]) -> dict[str, tuple[i
     return strides
 
 
-def attachments(
-    label: str, colors: Sequence[ColorAttachment], depth: DepthAttachment | None
-) -> tuple[int, int]:
+def attachments(label: str, colors: Sequence[ColorAttachment], depth: DepthAttachment | None) -> tuple[int, int]:
     """The attachments fit together; returns width and height in pixels."""
     if not colors and depth is None:
         raise UsageError(f"render pass {label!r} has no attachment")
@@ -220,6 +239,13 @@ def vertex_buffers(label: str, pipeline_label: str, needed: Sequence[str], given
         raise UsageError(
             f"pass {label!r}: pipeline {pipeline_label!r} needs vertex stream(s) {', '.join(missing)}, "
             f"given: {', '.join(given) or 'none'}"
+        )
+
+
+def index_range(label: str, index_bytes: int, first: int, count: int) -> None:
+    if first < 0 or count < 0 or (first + count) * 4 > index_bytes:
+        raise UsageError(
+            f"pass {label!r}: indices [{first}, {first + count}) lie outside the index buffer of {index_bytes // 4}"
         )
 
 

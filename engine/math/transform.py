@@ -37,7 +37,7 @@ def decompose(m: ArrayLike) -> tuple[F8, F8, F8]:
     scale = scale.copy()
     scale[..., 0] = np.where(mirrored, -scale[..., 0], scale[..., 0])
     x = np.where(mirrored[..., None], -x, x)
-    x = _unit_or(x, _unit_or(np.cross(y, z), _perpendicular(_unit_or(y, _perpendicular(z)))))
+    x = _unit_or(x, _unit_or(np.cross(y, z), _perpendicular(_unit_or(y, z))))
     y = _unit_or(y - _dot(x, y) * x, _unit_or(np.cross(z, x), _perpendicular(x)))
     rotation = quat.from_matrix3(np.stack([x, y, np.cross(x, y)], axis=-1))
     return m[..., :3, 3].copy(), rotation, scale

@@ -30,9 +30,9 @@ class Camera:
     def from_asset(cls, asset: CameraAsset, world: NDArray[np.float64]) -> Camera:
         """A scene's camera in its node's frame; scale and shear of the node are left out (glTF 2.0, 3.10)."""
         pose = np.eye(4)
-        z = world[:3, 2] / max(np.linalg.norm(world[:3, 2]), 1e-300)
+        z = world[:3, 2] / max(float(np.linalg.norm(world[:3, 2])), 1e-300)
         x = np.cross(world[:3, 1], z)
-        x /= max(np.linalg.norm(x), 1e-300)
+        x /= max(float(np.linalg.norm(x)), 1e-300)
         pose[:3, 0], pose[:3, 1], pose[:3, 2], pose[:3, 3] = x, np.cross(z, x), z, world[:3, 3]
         orthographic = asset.type == "orthographic"
         return cls(pose, asset.yfov, asset.znear, asset.zfar or 1e6, asset.ymag if orthographic else 0.0)

@@ -2,16 +2,17 @@
 
 Built when the scene's structure changes:
     every instance row gets a *command*: (pipeline, texture group, arena, submesh). Rows are sorted by command once;
-    commands are sorted by the draw key's static bits: queue | pipeline | texture group | arena, so that a *batch* (a run
-    of commands with equal state) is one multi-draw-indirect call.
+    commands are sorted by the draw key's static bits: queue | pipeline | texture group | arena, so that a *batch* (a
+    run of commands with equal state) is one multi-draw-indirect call.
 Each frame:
     visible rows -> counts per command (one bincount) and one compacted list of object ids (the per-instance attribute).
-Opaque batches are not sorted by depth: their order is static, and what that costs in overdraw is less than an argsort of
-every instance in numpy. Blended rows are sorted back to front and become runs.
+Opaque batches are not sorted by depth: their order is static, and what that costs in overdraw is less than an argsort
+of every instance in numpy. Blended rows are sorted back to front and become runs.
 """
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,7 +26,10 @@ from engine.resources.residency import Residency
 from engine.scene.scene import Scene
 
 COMMAND_DTYPE = np.dtype(
-    [("index_count", "<u4"), ("instance_count", "<u4"), ("first_index", "<u4"), ("base_vertex", "<i4"), ("base_instance", "<u4")]
+    [
+        ("index_count", "<u4"), ("instance_count", "<u4"), ("first_index", "<u4"),
+        ("base_vertex", "<i4"), ("base_instance", "<u4"),
+    ]
 )  # fmt: skip
 
 #: queue -> order in the frame
@@ -175,7 +179,9 @@ class DrawList:
 
     # --- frame ---
 
-    def update(self, scene: Scene, visible: NDArray[np.bool_], eye: NDArray[np.float64], forward: NDArray[np.float64]) -> None:
+    def update(
+        self, scene: Scene, visible: NDArray[np.bool_], eye: NDArray[np.float64], forward: NDArray[np.float64]
+    ) -> None:
         """Fill batches, commands and ids for this frame. `visible` bool[instances]; `eye`, `forward` in world space."""
         solid = self._solid
         drawn = visible[solid.row_order]
@@ -184,13 +190,15 @@ class DrawList:
         commands = solid.commands.copy()
         commands["instance_count"] = counts
         commands["base_instance"] = np.cumsum(counts) - counts
-        totals = np.add.reduceat(counts, [r[0] for r in self._solid_batches]) if self._solid_batches else []
+        totals = np.add.reduceat(counts, [r[0] for r in self._solid_batches]).tolist() if self._solid_batches else []
         self.opaque = [
             Batch(solid.states[first], first, count)
             for (first, count), total in zip(self._solid_batches, totals, strict=True)
             if total
         ]
-        glass_commands, glass_ids, self.blended = self._sorted_glass(scene, visible, eye, forward, len(commands), len(solid_ids))
+        glass_commands, glass_ids, self.blended = self._sorted_glass(
+            scene, visible, eye, forward, len(commands), len(solid_ids)
+        )
         all_commands = np.concatenate([commands, glass_commands])
         ids = np.concatenate([solid_ids, glass_ids]).astype(np.uint32)
         self.instances_drawn = len(ids)
@@ -222,8 +230,8 @@ class DrawList:
         state_of_command = np.array([state_ids[s] for s in glass.states])[of_command]
         starts = np.concatenate([[0], np.flatnonzero(np.diff(state_of_command)) + 1, [len(rows)]])
         batches = [
-            Batch(glass.states[int(state_of_command[a])], first_command + int(a), int(b - a))
-            for a, b in zip(starts[:-1], starts[1:], strict=True)
+            Batch(glass.states[state_of_command[a]], first_command + a, b - a)
+            for a, b in itertools.pairwise(starts.tolist())
         ]
         return commands, rows, batches
 

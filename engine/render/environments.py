@@ -1,7 +1,7 @@
 """Environments: from what a scene says of its surroundings to a map on the GPU.
 
-Baking (an HDRI, a procedural sky) is the importers' work: whoever opens a scene hands in a `baker`. The studio is shipped
-baked; a uniform one and none need no file.
+Baking (an HDRI, a procedural sky) is the importers' work: whoever opens a scene hands in a `baker`. The studio is
+shipped baked; a uniform one and none need no file.
 """
 
 from __future__ import annotations
@@ -49,7 +49,9 @@ class Environments:
             if kind == "studio":
                 return EnvironmentMap.from_file(self._device, studio)
             if self.baker is None:
-                raise InputError(f"environment {kind!r} has to be baked first", hint="open the scene through the importers")
+                raise InputError(
+                    f"environment {kind!r} has to be baked first", hint="open the scene through the importers"
+                )
             return EnvironmentMap.from_file(self._device, self.baker(environment))
         except InputError as error:
             self.findings.error("environment.unreadable", str(error), hint="the studio is shown instead")

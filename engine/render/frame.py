@@ -60,7 +60,9 @@ class RenderFrame:
             buffer.write(data)
         return buffer
 
-    def view_bindings(self, textures: Mapping[int, Any] | None = None, uniforms: Mapping[int, Any] | None = None) -> Bindings:
+    def view_bindings(
+        self, textures: Mapping[int, Any] | None = None, uniforms: Mapping[int, Any] | None = None
+    ) -> Bindings:
         """The view block and the environment, plus a pass's own inputs."""
         return Bindings(
             uniforms={VIEW_BINDING: self.view_buffer, **(uniforms or {})},

@@ -29,7 +29,7 @@ PREMULTIPLIED = BlendState("one", "one_minus_src_alpha", "add", "one", "one_minu
 
 
 class Programs:
-    """Caches by key: one dict look-up a batch in the steady state. `errors` holds what failed to compile, by variant."""
+    """Caches by key: one dict look-up a batch in the steady state. `errors`: what failed to compile, by variant."""
 
     def __init__(self, device: Device, effects: EffectLibrary) -> None:
         self._device = device
@@ -64,8 +64,8 @@ class Programs:
         return pipeline
 
     def screen(
-        self, fragment: str, *, block: BlockLayout | None = None, block_name: str = "", defines: Mapping[str, int] | None = None,
-        depth: DepthState | None = None, blend: BlendState | None = None,
+        self, fragment: str, *, block: BlockLayout | None = None, block_name: str = "",
+        defines: Mapping[str, int] | None = None, depth: DepthState | None = None, blend: BlendState | None = None,
     ) -> Pipeline:  # fmt: skip
         """The pipeline of a full-screen triangle with shaders/passes/<fragment>; `block` becomes a uniform block at
         binding 1, named as the instance `block_name`. Raises ShaderError."""
@@ -77,7 +77,9 @@ class Programs:
                 prelude += block.block_glsl(f"PassBlock_{block_name}", 1, block_name) + "\n"
             root = shaders_dir()
             vertex = flatten(root / "passes/fullscreen.vert", "vertex", search=[root], defines={})
-            text = flatten(root / "passes" / fragment, "fragment", search=[root], prelude=prelude, defines=defines or {})
+            text = flatten(
+                root / "passes" / fragment, "fragment", search=[root], prelude=prelude, defines=defines or {}
+            )
             pipeline = self._device.render_pipeline(
                 RenderPipelineDesc(fragment, vertex, text, (), "triangles", depth, (blend,), RasterState("none"))
             )

@@ -55,7 +55,9 @@ class Renderer:
         self._visibility_key: tuple[object, ...] = ()
 
     def render(self, scene: Scene, view: View, *, hdr: bool = False) -> Frame:
-        """One picture of `scene`. `hdr`: also give the scene-linear picture. Raises ShaderError, DeviceError; bad assets show as magenta instead."""
+        """One picture of `scene`; `hdr`: the scene-linear one too. Bad assets show as magenta.
+
+        Raises ShaderError when a pass of our own does not compile, DeviceError."""
         device = self.device
         device.begin_frame()
         device.counters.reset()
@@ -73,9 +75,7 @@ class Renderer:
         graph.execute(lambda item: _context(device, graph, item, frame), self._on_pass)
         stats = self._stats(graph.transient_bytes)
         device.end_frame()
-        return Frame(
-            graph.texture("color"), graph.texture("hdr_resolved") if hdr else None, stats, graph
-        )
+        return Frame(graph.texture("color"), graph.texture("hdr_resolved") if hdr else None, stats, graph)
 
     def release(self) -> None:
         self.graph.release()

@@ -1,4 +1,4 @@
-"""What was measured: timers, frame statistics, image errors, image files. May import core only (image libraries lazily).
+"""What was measured: timers, frame statistics, image errors, image files. May import core only (Pillow etc. lazily).
 
 timers   CpuTimer, PassTimes            ─> stats    FrameStats (one frame: passes, counters) ─> JSON, overlays
 summary  median, IQR of repeated runs   ─> benches, experiments

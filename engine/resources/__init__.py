@@ -1,12 +1,12 @@
 """Residency: engine files become GPU residents. May import materials, gpu, assets, core.
 
-    arena.py           MeshArena: one set of vertex streams + one index buffer per vertex layout
-    texture_pool.py    TexturePool: texture arrays by (format, size, mips), so that batches do not split
-    material_store.py  MaterialStore: a row per material in its effect's table, its texture group, its queue
-    environment.py     EnvironmentMap: the prefiltered cube, its SH9 irradiance, the DFG table
-    residency.py       Residency: paths -> ids, loads once, replaces what fails by magenta and says so
+arena.py           MeshArena: one set of vertex streams + one index buffer per vertex layout
+texture_pool.py    TexturePool: texture arrays by (format, size, mips), so that batches do not split
+material_store.py  MaterialStore: a row per material in its effect's table, its texture group, its queue
+environment.py     EnvironmentMap: the prefiltered cube, its SH9 irradiance, the DFG table
+residency.py       Residency: paths -> ids, loads once, replaces what fails by magenta and says so
 
-    .lmesh ──► MeshArena ──┐
-    .dds ───► TexturePool ─┼─► Residency (mesh ids, material ids) ──► engine.render
-    .material.toml ► Store ┘
+.lmesh ──► MeshArena ──┐
+.dds ───► TexturePool ─┼─► Residency (mesh ids, material ids) ──► engine.render
+.material.toml ► Store ┘
 """

@@ -18,15 +18,17 @@ LAMBERT_BANDS = np.array([1.0] + [2.0 / 3.0] * 3 + [0.25] * 5)
 
 
 class EnvironmentMap:
-    """`cube`: GGX-prefiltered radiance, mip = perceptual roughness x (mips - 1). `irradiance_sh`: f4[9,4], the radiance's
-    SH coefficients times A_l / pi, so that uniform radiance 1 gives irradiance / pi = 1."""
+    """`cube`: GGX-prefiltered radiance, mip = perceptual roughness x (mips - 1). `irradiance_sh`: f4[9,4], the
+    radiance's SH coefficients times A_l / pi, so that uniform radiance 1 gives irradiance / pi = 1."""
 
     def __init__(self, device: Device, cube: TextureAsset, radiance_sh: NDArray[np.floating]) -> None:
         self.mips = cube.mip_count
         self.irradiance_sh = np.zeros((9, 4), np.float32)
         self.irradiance_sh[:, :3] = np.asarray(radiance_sh, np.float64).reshape(9, 3) * LAMBERT_BANDS[:, None]
         self.texture = device.texture(
-            TextureDesc(cube.format, cube.width, cube.height, "cube", layers=6, mips=cube.mip_count, label="environment")
+            TextureDesc(
+                cube.format, cube.width, cube.height, "cube", layers=6, mips=cube.mip_count, label="environment"
+            )
         )
         for face, levels in enumerate(cube.levels):
             for level, data in enumerate(levels):
@@ -56,9 +58,7 @@ class DfgTable:
 
     def __init__(self, device: Device) -> None:
         asset = read_dds(shaders_dir() / "data" / "dfg_lut.dds")
-        self.texture: Texture = device.texture(
-            TextureDesc(asset.format, asset.width, asset.height, label="dfg table")
-        )
+        self.texture: Texture = device.texture(TextureDesc(asset.format, asset.width, asset.height, label="dfg table"))
         self.texture.write(asset.levels[0][0])
         self.sampler = device.sampler(SamplerDesc("clamp", "clamp", "clamp", "linear", "linear"))
 

@@ -55,9 +55,7 @@ class MaterialStore:
     _samplers: list[Sampler] = field(default_factory=list)
     _sampler_ids: dict[SamplerDesc, int] = field(default_factory=dict)
 
-    def add(
-        self, asset: MaterialAsset, effect: Effect, textures: Mapping[str, PooledTexture], path: str = ""
-    ) -> int:
+    def add(self, asset: MaterialAsset, effect: Effect, textures: Mapping[str, PooledTexture], path: str = "") -> int:
         """Add a material whose slots read `textures` (every slot of the effect must be there); returns its id."""
         rows = self._effects.get(effect.name)
         if rows is None:

@@ -208,7 +208,6 @@ def magenta_material(name: str) -> MaterialAsset:
     return MaterialAsset(name, features=["unlit"], params={"base_color": (1.0, 0.0, 1.0, 1.0)})
 
 
-
 def _submesh_spheres(mesh: MeshAsset) -> NDArray[np.float64]:
     low = np.array([s.bounds_min for s in mesh.submeshes], np.float64).reshape(-1, 3)
     high = np.array([s.bounds_max for s in mesh.submeshes], np.float64).reshape(-1, 3)

@@ -29,7 +29,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--orbit", default="", help="AZIMUTH,ELEVATION in degrees of a camera that frames everything")
     parser.add_argument("--exposure", type=float, help="EV, added to the scene's")
     parser.add_argument("--tone-map", dest="tone_map", help="agx | aces | neutral | none (default: the scene's)")
-    parser.add_argument("--environment", help="studio | sky | uniform | none | an .hdr or .exr file, instead of the scene's")
+    parser.add_argument(
+        "--environment", help="studio | sky | uniform | none | an .hdr or .exr file, instead of the scene's"
+    )
     parser.add_argument("--view", help="debug view: base_color, normal, roughness, metallic, occlusion, emission")
     parser.add_argument(
         "--set", dest="settings", action="append", default=[], metavar="NAME=VALUE", help="set any render setting"
@@ -134,7 +136,9 @@ def _apply_environment(runtime: Runtime, choice: str | None) -> None:
         return
     path = Path(choice).resolve()
     if not path.is_file():
-        raise UsageError(f"--environment {choice!r}: no such file", hint="studio, sky, uniform, none, or an .hdr or .exr file")
+        raise UsageError(
+            f"--environment {choice!r}: no such file", hint="studio, sky, uniform, none, or an .hdr or .exr file"
+        )
     environment.kind, environment.path, environment.sun_illuminance = "image", str(path), 0.0
 
 
@@ -167,5 +171,7 @@ def _write_stats(args: argparse.Namespace, frame: Frame, open_s: float, total_s:
 
     data = frame.stats.to_json()
     data["seconds"] = {"open": round(open_s, 4), "total": round(total_s, 4)}
-    data["left_out"] = [{"pass": item.name, "reason": item.reason, "bytes": item.saved} for item in frame.graph.left_out]
+    data["left_out"] = [
+        {"pass": item.name, "reason": item.reason, "bytes": item.saved} for item in frame.graph.left_out
+    ]
     write_text(args.stats, json.dumps(data, indent=2, sort_keys=True) + "\n")

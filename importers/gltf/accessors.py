@@ -86,7 +86,7 @@ class Accessors:
         # A matrix column starts on a 4-byte boundary
         column_size = rows * dtype.itemsize if columns == 1 else -(-rows * dtype.itemsize // 4) * 4
         size = column_size * columns
-        if not self._charge(count * max(size, rows * columns * 4), where):
+        if not self.charge(count * max(size, rows * columns * 4), where):
             return None
         view = doc.integer(accessor, "bufferView", where)
         values: Array | None
@@ -201,7 +201,7 @@ class Accessors:
         result[indices[inside]] = values[inside]
         return result
 
-    def _charge(self, size: int, where: str) -> bool:
+    def charge(self, size: int, where: str) -> bool:
         """Take `size` bytes from the budget of decoded data; False (with a finding) where it is used up."""
         if size > self._left:
             self.findings.error(

@@ -20,6 +20,10 @@ def _kind(value: object) -> str:
     return names.get(type(value), "a value")
 
 
+def _at(path: str, key: str) -> str:
+    return f"{path}.{key}" if path else key
+
+
 class Document:
     """The root object and the findings. All getters take the json path of the object they read, for messages."""
 
@@ -36,7 +40,7 @@ class Document:
 
     def child_objects(self, owner: JsonObject, key: str, path: str) -> list[JsonObject]:
         """`owner[key]` as a list of objects, with an empty one for every entry of a wrong type."""
-        where = f"{path}.{key}" if path else key
+        where = _at(path, key)
         result: list[JsonObject] = []
         for i, item in enumerate(self.array(owner, key, path)):
             if not isinstance(item, dict):
@@ -50,7 +54,7 @@ class Document:
         if value is None:
             return []
         if not isinstance(value, list):
-            self._wrong(f"{path}.{key}" if path else key, "an array", value)
+            self._wrong(_at(path, key), "an array", value)
             return []
         return value
 
@@ -60,7 +64,7 @@ class Document:
         if value is None:
             return {}
         if not isinstance(value, dict):
-            self._wrong(f"{path}.{key}" if path else key, "an object", value)
+            self._wrong(_at(path, key), "an object", value)
             return {}
         return value
 
@@ -69,14 +73,14 @@ class Document:
         extensions = self.object(owner, "extensions", path)
         if name not in extensions:
             return None
-        return self.object(extensions, name, f"{path}.extensions")
+        return self.object(extensions, name, _at(path, "extensions"))
 
     def text(self, owner: JsonObject, key: str, path: str, default: str = "") -> str:
         value = owner.get(key)
         if value is None:
             return default
         if not isinstance(value, str):
-            self._wrong(f"{path}.{key}" if path else key, "a string", value)
+            self._wrong(_at(path, key), "a string", value)
             return default
         # JSON may hold half a surrogate pair, which no file can store
         return value.encode("utf-8", "replace").decode("utf-8")
@@ -84,14 +88,14 @@ class Document:
     def choice(self, owner: JsonObject, key: str, path: str, choices: Sequence[str], default: str) -> str:
         value = self.text(owner, key, path, default)
         if value not in choices:
-            self.findings.error("gltf.value", f"{value!r} is none of {', '.join(choices)}", f"{path}.{key}")
+            self.findings.error("gltf.value", f"{value!r} is none of {', '.join(choices)}", _at(path, key))
             return default
         return value
 
     def flag(self, owner: JsonObject, key: str, path: str) -> bool:
         value = owner.get(key, False)
         if not isinstance(value, bool):
-            self._wrong(f"{path}.{key}", "true or false", value)
+            self._wrong(_at(path, key), "true or false", value)
             return False
         return value
 
@@ -103,13 +107,13 @@ class Document:
         value = owner.get(key)
         if value is None:
             return default
-        checked = self._finite(value, f"{path}.{key}")
+        checked = self._finite(value, _at(path, key))
         if checked is None:
             return default
         if not low <= checked <= high:
             clamped = min(max(checked, low), high)
             self.findings.warn(
-                "gltf.range", f"{checked:g} is outside [{low:g}, {high:g}]; taken as {clamped:g}", f"{path}.{key}"
+                "gltf.range", f"{checked:g} is outside [{low:g}, {high:g}]; taken as {clamped:g}", _at(path, key)
             )
             return clamped
         return checked
@@ -122,14 +126,14 @@ class Document:
         if isinstance(value, float) and value.is_integer():
             value = int(value)
         if isinstance(value, bool) or not isinstance(value, int):
-            self._wrong(f"{path}.{key}", "a whole number", value)
+            self._wrong(_at(path, key), "a whole number", value)
             return default
         return value
 
     def index(self, owner: JsonObject, key: str, path: str, target: str) -> int | None:
         """An index into the top-level array `target`; None (with a finding) where it points outside."""
         value = self.integer(owner, key, path)
-        return None if value is None else self.checked_index(value, f"{path}.{key}", target)
+        return None if value is None else self.checked_index(value, _at(path, key), target)
 
     def indices(self, owner: JsonObject, key: str, path: str, target: str) -> list[int]:
         """The valid ones of an array of indices into `target`; each invalid one is a finding."""
@@ -157,7 +161,7 @@ class Document:
         value = owner.get(key)
         if value is None:
             return tuple(default)
-        where = f"{path}.{key}"
+        where = _at(path, key)
         if not isinstance(value, list) or len(value) != len(default):
             given = f"{len(value)} numbers" if isinstance(value, list) else _kind(value)
             self.findings.error("gltf.type", f"expected {len(default)} numbers, found {given}", where)

@@ -104,7 +104,8 @@ class MeshReader:
         vertices, morphs = found
         topology = MODES[mode][1]
         indices = self._indices(primitive, where, mode, vertices)
-        if indices is None or not len(indices):
+        # Bytes per corner at worst, when every corner becomes a vertex of its own
+        if indices is None or not len(indices) or not self._accessors.charge(len(indices) * 80, where):
             return None
         if topology != "triangles":
             slot = Slot(material, unlit=vertices.normal is None)

@@ -47,15 +47,14 @@ def read_skin(
     order = np.empty(len(joints), np.int64)
     order[sorted_slots] = np.arange(len(joints))
     ordered = [joints[j] for j in sorted_slots]
+    # The nearest joint above each node, itself included: plain nodes between joints are legal
     row_of: dict[int, int] = {}
-    joint_parents = np.full(len(ordered), -1, "<i4")
     for row, node in enumerate(ordered):
-        # The nearest ancestor that is a joint: nodes between joints are legal
-        ancestor = parents[node]
-        while ancestor >= 0 and ancestor not in row_of:
-            ancestor = parents[ancestor]
-        joint_parents[row] = row_of[ancestor] if ancestor >= 0 else -1
         row_of.setdefault(node, row)
+    nearest: dict[int, int] = {-1: -1}
+    for node in sequence:
+        nearest[node] = row_of.get(node, nearest[parents[node]])
+    joint_parents = np.array([nearest[parents[node]] for node in ordered], "<i4")
     matrices = _inverse_binds(doc, accessors, skin, len(joints), where)[sorted_slots]
     skeleton = Skeleton([names[n] for n in ordered], joint_parents, np.ascontiguousarray(matrices))
     return Skin(skeleton, ordered, order)

@@ -1,4 +1,4 @@
-"""Cube maps on the CPU: directions, solid angles, filtered look-ups, and the way from an equirectangular image.
+"""Cube maps on the CPU: directions, filtered look-ups, and the way from an equirectangular image.
 
 Faces +x -x +y -y +z -z, oriented as in OpenGL (4.6 core specification, table 8.19), row 0 at t = 0. Equirectangular
 images: u = atan2(x, -z) / 2pi + 0.5 (the middle column looks along -Z, +X lies right of it), v = acos(y) / pi.
@@ -11,6 +11,8 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from importers.textures.mips import resample
 
 Floats = NDArray[np.float32]
 
@@ -33,16 +35,9 @@ def directions(size: int, border: int = 0) -> NDArray[np.float64]:
     c = (np.arange(-border, size + border) + 0.5) * (2.0 / size) - 1.0
     s, t = np.meshgrid(c, c)
     plane = np.stack([s, t, np.ones_like(s)], -1)
-    d = np.einsum("fij,hwj->fhwi", _FACES, plane)
-    return d / np.linalg.norm(d, axis=-1, keepdims=True)  # type: ignore[no-any-return]  # numpy's stubs say Any
-
-
-def solid_angles(size: int) -> NDArray[np.float64]:
-    """Steradians of each texel of one face, f8[n,n]; six faces sum to 4 pi (corner formula of the projected area)."""
-    e = np.arange(size + 1) * (2.0 / size) - 1.0
-    x, y = np.meshgrid(e, e)
-    corner = np.arctan2(x * y, np.sqrt(x * x + y * y + 1.0))
-    return corner[1:, 1:] - corner[1:, :-1] - corner[:-1, 1:] + corner[:-1, :-1]
+    d: NDArray[np.float64] = np.einsum("fij,hwj->fhwi", _FACES, plane)
+    d /= np.linalg.norm(d, axis=-1, keepdims=True)
+    return d
 
 
 def faces_of(d: NDArray[Any]) -> tuple[NDArray[np.intp], NDArray[Any], NDArray[Any]]:
@@ -86,11 +81,12 @@ class CubeChain:
         lod = min(max(lod, 0.0), len(self.levels) - 1.0)
         low = int(lod)
         place = faces_of(d)
-        result = _bilinear(self.levels[low], place)
+        result: Floats = _bilinear(self.levels[low], place)
         part = np.float32(lod - low)
         if part > 0.0:
             result += (_bilinear(self.levels[low + 1], place) - result) * part
-        return result[:, :3]
+        rgb: Floats = result[:, :3]
+        return rgb
 
 
 def _bilinear(padded: Floats, place: tuple[NDArray[np.intp], NDArray[Any], NDArray[Any]]) -> Floats:
@@ -105,7 +101,8 @@ def _bilinear(padded: Floats, place: tuple[NDArray[np.intp], NDArray[Any], NDArr
     fy = (y - j).astype(np.float32)[:, None]
     flat = padded.reshape(-1, 4)
     at = (face * row + j) * row + i
-    a, b = flat[at], flat[at + 1]
+    a: Floats = flat[at]
+    b: Floats = flat[at + 1]
     a += (b - a) * fx
     c, e = flat[at + row], flat[at + row + 1]
     c += (e - c) * fx
@@ -134,8 +131,6 @@ def _bordered(faces: Floats) -> Floats:
 
 def from_equirect(image: Floats, size: int) -> Floats:
     """Cube faces f4[6,size,size,3] from f4[h,w,3], averaged down first where the image is finer than the cube."""
-    from importers.textures.mips import resample  # here: mips imports nothing of cubes, and baking skies needs none
-
     height, width = image.shape[:2]
     if width > 6 * size:
         image = resample(image, 4 * size, 2 * size, "box")

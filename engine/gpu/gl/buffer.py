@@ -35,9 +35,7 @@ class GlBuffer(GlObject):
         else:
             address, self.size, keep = address_of(data_or_size)
             allocated = max(self.size, MINIMUM_BYTES)
-            device.gl.NamedBufferData(
-                self.id, allocated, address if self.size == allocated else None, e.DYNAMIC_DRAW
-            )
+            device.gl.NamedBufferData(self.id, allocated, address if self.size == allocated else None, e.DYNAMIC_DRAW)
             if 0 < self.size < allocated:
                 device.gl.NamedBufferSubData(self.id, 0, self.size, address)
             del keep

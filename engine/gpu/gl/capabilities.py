@@ -53,6 +53,7 @@ def probe(context: Context) -> Caps:
         uniform_alignment=gl.integer(e.UNIFORM_BUFFER_OFFSET_ALIGNMENT),
         storage_alignment=gl.integer(e.SHADER_STORAGE_BUFFER_OFFSET_ALIGNMENT),
         max_uniform_bytes=gl.integer(e.MAX_UNIFORM_BLOCK_SIZE),
+        max_samples=max(1, min(gl.integer(e.MAX_COLOR_TEXTURE_SAMPLES), gl.integer(e.MAX_DEPTH_TEXTURE_SAMPLES))),
     )
 
 
@@ -87,7 +88,9 @@ def reversed_z_works(device: GlDevice) -> bool:
                 )
             )
             with device.render_pass(
-                "depth self-test", [ColorAttachment(color, clear=(0.5, 0.5, 0.5, 0.5))], DepthAttachment(depth, clear=0.0)
+                "depth self-test",
+                [ColorAttachment(color, clear=(0.5, 0.5, 0.5, 0.5))],
+                DepthAttachment(depth, clear=0.0),
             ) as encoder:
                 encoder.set_pipeline(pipeline)
                 encoder.draw(3, 2)

@@ -102,9 +102,16 @@ class GlRenderPass:
         self._counters.draws += 1
 
     def draw_indexed(
-        self, index_count: int, instance_count: int = 1, first_index: int = 0, base_vertex: int = 0, base_instance: int = 0
+        self,
+        index_count: int,
+        instance_count: int = 1,
+        first_index: int = 0,
+        base_vertex: int = 0,
+        base_instance: int = 0,
     ) -> None:
         pipeline = self._ready(indexed=True)
+        if first_index < 0 or (first_index + index_count) * 4 > self._index.size:
+            validate.index_range(self.label, self._index.size, first_index, index_count)
         self._gl.DrawElementsInstancedBaseVertexBaseInstance(
             pipeline.mode, index_count, e.UNSIGNED_INT, first_index * 4, instance_count, base_vertex, base_instance
         )
@@ -116,9 +123,7 @@ class GlRenderPass:
             validate.buffer_range(commands.label, commands.size, first * COMMAND_BYTES, count * COMMAND_BYTES)
         pipeline = self._ready(indexed=True)
         self._state.bind_indirect(commands.id)  # type: ignore[attr-defined]  # buffers of this device are GlBuffer
-        self._gl.MultiDrawElementsIndirect(
-            pipeline.mode, e.UNSIGNED_INT, first * COMMAND_BYTES, count, COMMAND_BYTES
-        )
+        self._gl.MultiDrawElementsIndirect(pipeline.mode, e.UNSIGNED_INT, first * COMMAND_BYTES, count, COMMAND_BYTES)
         counters = self._counters
         counters.api_calls += 1
         counters.draws += 1

@@ -61,9 +61,7 @@ class GlProgram(GlObject):
             index = gl.GetProgramResourceIndex(self.id, interface, name.encode())
             if index != e.INVALID_INDEX:
                 what, value = ctypes.c_uint(e.BUFFER_DATA_SIZE), ctypes.c_int()
-                gl.GetProgramResourceiv(
-                    self.id, interface, index, 1, ctypes.byref(what), 1, None, ctypes.byref(value)
-                )
+                gl.GetProgramResourceiv(self.id, interface, index, 1, ctypes.byref(what), 1, None, ctypes.byref(value))
                 return value.value
         return -1
 

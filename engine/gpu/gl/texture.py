@@ -76,9 +76,7 @@ class GlTexture(GlObject):
         else:
             texel = TEXELS[desc.format]
             if self.layered:
-                gl.TextureSubImage3D(
-                    self.id, level, 0, 0, layer, width, height, 1, texel.layout, texel.number, address
-                )
+                gl.TextureSubImage3D(self.id, level, 0, 0, layer, width, height, 1, texel.layout, texel.number, address)
             else:
                 gl.TextureSubImage2D(self.id, level, 0, 0, width, height, texel.layout, texel.number, address)
         del keep

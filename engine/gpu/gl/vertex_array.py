@@ -47,9 +47,7 @@ class VertexArrays:
             if form.integer:
                 gl.VertexArrayAttribIFormat(name, attribute.location, form.components, number, offset)
             else:
-                gl.VertexArrayAttribFormat(
-                    name, attribute.location, form.components, number, form.normalized, offset
-                )
+                gl.VertexArrayAttribFormat(name, attribute.location, form.components, number, form.normalized, offset)
             gl.VertexArrayAttribBinding(name, attribute.location, slots[attribute.stream])
         if index:
             gl.VertexArrayElementBuffer(name, index)

@@ -26,5 +26,7 @@ class OpaquePass(Pass):
         frame: RenderFrame = ctx.frame
         background: Any = frame.look["background"]
         color = ColorAttachment(ctx.texture("hdr"), clear=background)
-        with ctx.device.render_pass(self.name, [color], DepthAttachment(ctx.texture("depth"), clear=0.0)) as render_pass:
+        with ctx.device.render_pass(
+            self.name, [color], DepthAttachment(ctx.texture("depth"), clear=0.0)
+        ) as render_pass:
             frame.draw_batches(render_pass, frame.draws.opaque, frame.facts.samples)

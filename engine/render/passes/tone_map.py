@@ -35,8 +35,6 @@ class ToneMapPass(Pass):
         with ctx.device.render_pass(self.name, [ColorAttachment(ctx.texture("color"))]) as render_pass:
             render_pass.set_pipeline(pipeline)
             render_pass.set_bindings(
-                frame.view_bindings(
-                    {INPUT_UNIT: (ctx.texture("hdr"), frame.point_sampler)}, {PASS_BINDING: block}
-                )
+                frame.view_bindings({INPUT_UNIT: (ctx.texture("hdr"), frame.point_sampler)}, {PASS_BINDING: block})
             )
             render_pass.draw(3)

@@ -1,0 +1,28 @@
+"""What a panel is."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import ClassVar
+
+from editor.ui import Ui
+
+
+class Panel(ABC):
+    """`title` names the window and keys its place in the saved layout; `dock` is one of layout.DOCKS."""
+
+    title: ClassVar[str]
+    icon: ClassVar[str] = ""
+    dock: ClassVar[str]
+    #: whether the window keeps the usual space to its border
+    padded: ClassVar[bool] = True
+    closable: ClassVar[bool] = True
+
+    @property
+    def label(self) -> str:
+        """The window's label; the part after ### is its identity."""
+        return f"{self.icon}  {self.title}###{self.title}" if self.icon else self.title
+
+    @abstractmethod
+    def draw(self, ui: Ui) -> None:
+        """Draw the content of the window, inside its begin/end."""

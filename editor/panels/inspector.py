@@ -1,0 +1,161 @@
+"""Inspector: what the selected node is made of, every value of it editable; without a selection, the scene itself."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, ClassVar
+
+import numpy as np
+from imgui_bundle import imgui
+
+from editor import icons, theme
+from editor.document import Document
+from editor.panels.base import Panel
+from editor.panels.inspector_fields import CAMERA, ENVIRONMENT, LIGHT, LIGHT_TYPES, LOOK, SPOT
+from editor.panels.inspector_material import draw_material
+from editor.param_widgets import param_row
+from editor.rotation import euler_from_quaternion, quaternion_from_euler
+from editor.ui import Ui
+from editor.widgets import bold, em, empty_state, icon_button, property_grid, property_row, property_text, section, text
+from engine.core.param import Param
+
+
+class InspectorPanel(Panel):
+    title: ClassVar[str] = "Inspector"
+    icon: ClassVar[str] = icons.INSPECT
+    dock: ClassVar[str] = "Right"
+
+    def __init__(self) -> None:
+        #: the angles shown, kept while they still mean the node's rotation: many triples mean the same one
+        self._euler: dict[int, tuple[tuple[float, ...], tuple[float, float, float]]] = {}
+
+    def draw(self, ui: Ui) -> None:
+        document = ui.session.document
+        if document is None:
+            empty_state(icons.INSPECT, "Nothing to inspect")
+        elif document.primary < 0:
+            self._scene(ui, document)
+        else:
+            self._node(ui, document, document.primary)
+
+    def _node(self, ui: Ui, document: Document, row: int) -> None:
+        session, scene = ui.session, document.runtime.scene
+        visible = bool(scene.nodes.visible[row])
+        if icon_button(f"{icons.VISIBLE if visible else icons.HIDDEN}###visible", "Show or hide this node (H)"):
+            session.set_visible((row,), not visible)
+        imgui.same_line(0, em(0.3))
+        imgui.align_text_to_frame_padding()
+        with bold(ui):
+            imgui.text_unformatted(session.node_name(row))
+        if len(document.selection) > 1:
+            imgui.same_line()
+            text(f"+ {len(document.selection) - 1} more", theme.DIM)
+        imgui.spacing()
+        if section(ui, "Transform"):
+            self._transform(ui, document, row)
+        instances = np.flatnonzero(np.asarray(scene.instances.node) == row)
+        if len(instances):
+            self._mesh(ui, document, instances)
+        for light in np.flatnonzero(np.asarray(scene.lights.node) == row):
+            self._light(ui, document, int(light))
+        for camera in np.flatnonzero(np.asarray(scene.cameras.node) == row):
+            if section(ui, f"{icons.CAMERA}  Camera"):
+                self._fields(ui, document, "cameras", int(camera), CAMERA)
+        materials = dict.fromkeys(int(scene.instances.material[i]) for i in instances)
+        for material in materials:
+            draw_material(ui, document, material)
+
+    def _transform(self, ui: Ui, document: Document, row: int) -> None:
+        nodes = document.runtime.scene.nodes
+        size = max(float(np.abs(nodes.translation[row]).max()), 0.2 * ui.session.camera.distance)
+        with property_grid("transform") as shown:
+            if not shown:
+                return
+            self._vector(ui, document, row, "translation", "Position", "Metres, in the parent's frame", size * 0.002, "%.3f")
+            quaternion = tuple(float(v) for v in nodes.rotation[row])
+            property_row("Rotation", "Degrees about X, then Y, then Z")
+            changed, angles = imgui.drag_float3("##rotation", list(self._angles(row, quaternion)), 0.5, 0, 0, "%.1f°")
+            if changed:
+                wanted = quaternion_from_euler(tuple(float(a) for a in angles))
+                ui.session.edit("nodes", "rotation", [row], [wanted], gesture=("nodes", "rotation", row))
+                stored = tuple(float(v) for v in nodes.rotation[row])
+                self._euler[row] = (stored, (float(angles[0]), float(angles[1]), float(angles[2])))
+            self._vector(ui, document, row, "scale", "Scale", "Factor along each own axis", 0.005, "%.3f")
+        imgui.spacing()
+
+    def _angles(self, row: int, quaternion: tuple[float, ...]) -> tuple[float, float, float]:
+        known = self._euler.get(row)
+        if known is None or any(abs(a - b) > 1e-7 for a, b in zip(known[0], quaternion, strict=True)):
+            known = self._euler[row] = (quaternion, euler_from_quaternion(quaternion))
+        return known[1]
+
+    def _vector(
+        self, ui: Ui, document: Document, row: int, column: str, label: str, doc: str, speed: float, format: str
+    ) -> None:
+        value = [float(v) for v in getattr(document.runtime.scene.nodes, column)[row]]
+        property_row(label, doc)
+        changed, new = imgui.drag_float3(f"##{column}", value, speed, 0, 0, format)
+        new = tuple(float(v) for v in new)
+        if changed and all(math.isfinite(v) for v in new):
+            if column == "scale":  # a zero scale has no inverse, and nothing to see
+                new = tuple(v if abs(v) > 1e-6 else math.copysign(1e-6, v) for v in new)
+            ui.session.edit("nodes", column, [row], [new], gesture=("nodes", column, row))
+
+    def _mesh(self, ui: Ui, document: Document, instances: Any) -> None:
+        if not section(ui, f"{icons.MESH}  Mesh", opened=False):
+            return
+        scene, residency = document.runtime.scene, document.runtime.residency
+        mesh = residency.mesh(int(scene.instances.mesh[instances[0]])).asset
+        submeshes = [mesh.submeshes[int(scene.instances.submesh[i])] for i in instances]
+        triangles = sum(s.index_count // 3 for s in submeshes if s.topology == "triangles")
+        low, high = document.bounds((document.primary,))
+        with property_grid("mesh") as shown:
+            if shown:
+                property_text("Name", mesh.name or "(unnamed)")
+                property_text("Parts", str(len(submeshes)))
+                property_text("Triangles", f"{triangles:,}")
+                property_text("Vertices", f"{mesh.vertex_count:,}")
+                property_text("Streams", ", ".join(mesh.layout))
+                property_text("Size", " × ".join(f"{v:.3g}" for v in high - low) + " m", "World box, with children")
+        imgui.spacing()
+
+    def _light(self, ui: Ui, document: Document, light: int) -> None:
+        kind = int(document.runtime.scene.lights.type[light])
+        if section(ui, f"{icons.LIGHT}  {LIGHT_TYPES[kind]} light"):
+            fields = (*LIGHT, *SPOT) if kind == 2 else LIGHT
+            self._fields(ui, document, "lights", light, tuple(f for f in fields if kind != 0 or f.name != "range"))
+
+    def _scene(self, ui: Ui, document: Document) -> None:
+        scene = document.runtime.scene
+        with bold(ui):
+            imgui.text_unformatted(document.name)
+        text("Select a node to see what it is made of", theme.DIM)
+        imgui.spacing()
+        if section(ui, f"{icons.ENVIRONMENT}  Environment"):
+            self._fields(ui, document, "environment", 0, ENVIRONMENT)
+        if section(ui, f"{icons.LOOK}  Look of the scene"):
+            self._fields(ui, document, "look", 0, LOOK)
+        if section(ui, f"{icons.INFO}  Contents"):
+            low, high = document.bounds()
+            with property_grid("contents") as shown:
+                if shown:
+                    property_text("Nodes", f"{len(scene.nodes.name):,}")
+                    property_text("Drawn parts", f"{len(scene.instances.node):,}")
+                    property_text("Lights", f"{len(scene.lights.node):,}")
+                    property_text("Cameras", f"{len(scene.cameras.node):,}")
+                    if np.isfinite(low).all() and np.isfinite(high).all():
+                        property_text("Size", " × ".join(f"{v:.3g}" for v in high - low) + " m")
+                    property_text("Source", str(document.source))
+                    property_text("Scene file", str(document.scene_path))
+
+    def _fields(self, ui: Ui, document: Document, table: str, row: int, fields: tuple[Param, ...]) -> None:
+        with property_grid(f"{table}{row}") as shown:
+            for field in fields if shown else ():
+                value = document.tables[table].read(field.name, (row,))[0]
+                changed, new = param_row(field, value, id=f"{table}{row}", degrees=field.unit == "rad")
+                if changed:
+                    ui.session.edit(table, field.name, [row], [new], gesture=(table, field.name, row))
+        imgui.spacing()
+
+
+PANEL = InspectorPanel

@@ -1,0 +1,19 @@
+"""The panels, in the order of their tabs. Each module defines `PANEL`, its class."""
+
+from __future__ import annotations
+
+import importlib
+
+from editor.panels.base import Panel
+
+PANELS = ("scene_tree", "assets", "viewport", "inspector", "render_settings", "log", "timings")
+
+
+def make_panels() -> list[Panel]:
+    """One of each, fresh."""
+    panels: list[Panel] = []
+    for name in PANELS:
+        panel = importlib.import_module(f"editor.panels.{name}").PANEL()
+        assert isinstance(panel, Panel)
+        panels.append(panel)
+    return panels

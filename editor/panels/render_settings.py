@@ -1,0 +1,53 @@
+"""Render settings: every RenderSettings parameter, its widget made from its declaration."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from imgui_bundle import imgui
+
+from editor import icons
+from editor.panels.base import Panel
+from editor.param_widgets import param_row
+from editor.ui import Ui
+from editor.widgets import property_grid, section
+from engine.core.param import Param
+
+#: heading -> names; what is in none goes under the last
+GROUPS: dict[str, tuple[str, ...]] = {
+    "Look": ("exposure", "tone_map", "view"),
+    "Environment": (
+        "environment_intensity", "environment_rotation", "sun_intensity", "background", "background_blur",
+    ),
+    "Quality": (),
+}  # fmt: skip
+
+
+class RenderSettingsPanel(Panel):
+    title: ClassVar[str] = "Render settings"
+    icon: ClassVar[str] = icons.SETTINGS
+    dock: ClassVar[str] = "Right"
+
+    def draw(self, ui: Ui) -> None:
+        settings = ui.session.settings
+        for heading, params in grouped(settings.PARAMS).items():
+            if params and section(ui, heading):
+                with property_grid(heading) as shown:
+                    for param in params if shown else ():
+                        changed, value = param_row(param, getattr(settings, param.name))
+                        if changed:
+                            setattr(settings, param.name, value)
+                imgui.spacing()
+
+
+def grouped(params: tuple[Param, ...]) -> dict[str, list[Param]]:
+    """The parameters under the headings of GROUPS, in declaration order."""
+    rows: dict[str, list[Param]] = {heading: [] for heading in GROUPS}
+    last = list(GROUPS)[-1]
+    for param in params:
+        heading = next((h for h, names in GROUPS.items() if param.name in names), last)
+        rows[heading].append(param)
+    return rows
+
+
+PANEL = RenderSettingsPanel

@@ -1,0 +1,180 @@
+"""Viewport: the picture, the pointer's gestures in it, and what is drawn over it."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from imgui_bundle import imgui
+
+from editor import axis_widget, camera_controls, icons, overlay, theme
+from editor.camera_controls import OrbitCamera
+from editor.navigation import WHEEL, motion_for
+from editor.panels import timeline, viewport_strip
+from editor.panels.base import Panel
+from editor.panels.timings import short_count
+from editor.ui import Ui
+from editor.widgets import em, empty_state
+
+#: a press that moves less than this, in em, is a click
+CLICK_SLOP = 0.25
+WHEEL_STEP = 0.88
+FLY_KEYS = {"w": (0, 0, 1), "s": (0, 0, -1), "a": (-1, 0, 0), "d": (1, 0, 0), "q": (0, -1, 0), "e": (0, 1, 0)}
+BUTTONS = ("left", "right", "middle")
+
+
+class ViewportPanel(Panel):
+    title: ClassVar[str] = "Viewport"
+    icon: ClassVar[str] = icons.APP
+    dock: ClassVar[str] = "MainDockSpace"
+    padded: ClassVar[bool] = False
+    closable: ClassVar[bool] = False
+
+    def __init__(self) -> None:
+        self.motion = ""
+        self._button = 0
+        self._travel = 0.0
+        #: while flying, bare keys belong to the camera
+        self.flying = False
+
+    def draw(self, ui: Ui) -> None:
+        session = ui.session
+        if session.document is None:
+            self.motion, self.flying = "", False
+            empty_state(icons.APP, "Drop a model, a scene or a folder here", "or open one with Ctrl+O")
+            return
+        viewport_strip.draw(ui)
+        imgui.set_cursor_pos((0, imgui.get_cursor_pos_y() + em(0.1)))
+        avail = imgui.get_content_region_avail()
+        bar = imgui.get_frame_height() + em(0.5) if session.playback.available else 0.0
+        width, height = max(avail.x, 1.0), max(avail.y - bar, 1.0)
+        self._picture(ui, width, height)
+        if session.playback.available:
+            timeline.draw(ui)
+
+    def _picture(self, ui: Ui, width: float, height: float) -> None:
+        session = ui.session
+        origin = imgui.get_cursor_screen_pos()
+        frame = session.image.update(session, round(width * ui.pixel_scale), round(height * ui.pixel_scale))
+        imgui.invisible_button(
+            "##picture",
+            (width, height),
+            imgui.ButtonFlags_.mouse_button_left
+            | imgui.ButtonFlags_.mouse_button_right
+            | imgui.ButtonFlags_.mouse_button_middle,
+        )
+        hovered, active = bool(imgui.is_item_hovered()), bool(imgui.is_item_active())
+        imgui.set_item_key_owner(imgui.Key.mouse_wheel_y)
+        lines = imgui.get_window_draw_list()
+        end = (origin.x + width, origin.y + height)
+        lines.push_clip_rect((origin.x, origin.y), end, True)
+        native = frame.color.native if frame is not None else 0
+        if native:
+            lines.add_image(imgui.ImTextureRef(native), (origin.x, origin.y), end, (0, 0), (1, 1))
+        else:  # the null device has no picture
+            lines.add_rect_filled((origin.x, origin.y), end, theme.u32(theme.FRAME))
+        over_axes = self._overlays(ui, origin.x, origin.y, width, height, hovered and not self.motion)
+        lines.pop_clip_rect()
+        self._gestures(ui, origin.x, origin.y, width, height, hovered and not over_axes, active)
+
+    def _overlays(self, ui: Ui, x: float, y: float, width: float, height: float, hoverable: bool) -> bool:
+        session, document = ui.session, ui.session.document
+        assert document is not None
+        if session.preferences.show_outline:
+            for row in document.selection[-50:]:
+                overlay.draw_box(session.camera, *document.bounds((row,)), (x, y), width, height)
+        over_axes = False
+        if session.preferences.show_axes and width > em(12) and height > em(10):
+            over_axes, view = axis_widget.draw(session.camera, x + width, y, hoverable=hoverable)
+            if view:
+                ui.operations.run(f"view.{view}", session)
+        left, bottom = x + em(0.6), y + height - em(0.6)
+        if session.preferences.show_stats and session.image.frame is not None:
+            counters = session.image.frame.stats.counters
+            parts = [f"{short_count(counters[n])} {n}" for n in ("triangles", "draws") if n in counters]
+            if session.camera.orthographic:
+                parts.append("orthographic")
+            if parts:
+                height_used = imgui.get_text_line_height() + 2 * imgui.get_style().frame_padding.y
+                overlay.chip(left, bottom - height_used, "   ".join(parts), theme.DIM)
+        if session.image.error:
+            overlay.chip(left, y + em(0.6), f"{icons.ERROR}  {session.image.error}", theme.ERROR)
+        return over_axes
+
+    # --- gestures ---
+
+    def _gestures(self, ui: Ui, x: float, y: float, width: float, height: float, hovered: bool, active: bool) -> None:
+        io, session = imgui.get_io(), ui.session
+        if hovered and not self.motion:
+            for index, name in enumerate(BUTTONS):
+                if imgui.is_mouse_clicked(index):
+                    self.motion = motion_for(session.preferences.keymap, name, _modifiers()) or "none"
+                    self._button, self._travel = index, 0.0
+                    imgui.set_window_focus()
+        if self.motion:
+            self._travel += abs(io.mouse_delta.x) + abs(io.mouse_delta.y)
+            if imgui.is_mouse_down(self._button):
+                if self._travel > em(CLICK_SLOP) or self.motion == "fly":
+                    self._move(ui, io.mouse_delta.x, io.mouse_delta.y, height, io.delta_time)
+            else:
+                if self._travel <= em(CLICK_SLOP) and self._button == 0:
+                    self._click(ui, io.mouse_pos.x - x, io.mouse_pos.y - y)
+                self.motion = ""
+        self.flying = self.motion == "fly"
+        if self.flying:
+            imgui.set_mouse_cursor(imgui.MouseCursor_.resize_all)
+        if hovered or self.flying:
+            self._wheel(ui, (io.mouse_pos.x - x) / width, (io.mouse_pos.y - y) / height, width / height, height)
+
+    def _click(self, ui: Ui, x: float, y: float) -> None:
+        scale = ui.pixel_scale
+        ui.session.pick(int(x * scale), int(y * scale), toggle=bool(imgui.get_io().key_ctrl))
+
+    def _move(self, ui: Ui, dx: float, dy: float, height: float, seconds: float) -> None:
+        session = ui.session
+        camera = session.camera
+        if self.motion == "orbit":
+            camera = camera_controls.orbit(camera, dx, dy)
+        elif self.motion == "pan":
+            camera = camera_controls.pan(camera, dx, dy, height)
+        elif self.motion == "dolly":
+            camera = camera_controls.dolly(camera, dx, dy)
+        elif self.motion == "fly":
+            camera = self._fly(ui, camera_controls.look(camera, dx, dy), seconds)
+        elif self.motion == "environment":
+            turned = viewport_strip.wrap_degrees(float(getattr(session.settings, "environment_rotation", 0.0)) + 0.5 * dx)
+            session.settings.environment_rotation = turned
+        session.camera = camera
+
+    def _fly(self, ui: Ui, camera: OrbitCamera, seconds: float) -> OrbitCamera:
+        move = [0.0, 0.0, 0.0]
+        for key, (right, up, forward) in FLY_KEYS.items():
+            if imgui.is_key_down(getattr(imgui.Key, key)):
+                move = [move[0] + right, move[1] + up, move[2] + forward]
+        speed = ui.session.preferences.fly_speed * camera.distance * (3.0 if imgui.get_io().key_shift else 1.0)
+        return camera_controls.fly(camera, (move[0], move[1], move[2]), speed * min(seconds, 0.1))
+
+    def _wheel(self, ui: Ui, u: float, v: float, aspect: float, height: float) -> None:
+        io, session = imgui.get_io(), ui.session
+        wheel, side = io.mouse_wheel, io.mouse_wheel_h
+        if not wheel and not side:
+            return
+        if self.flying:
+            session.preferences.fly_speed = min(max(session.preferences.fly_speed * 1.15**wheel, 0.001), 1000.0)
+            session.ui.notice = f"Fly speed × {session.preferences.fly_speed:.2g}"
+            return
+        motion = WHEEL.get(_modifiers(), "zoom")
+        if motion == "pan":
+            session.camera = camera_controls.pan(session.camera, side * em(2), wheel * em(2), height)
+        elif motion == "orbit":
+            session.camera = camera_controls.orbit(session.camera, side * em(1.5), wheel * em(1.5))
+        elif wheel:
+            session.camera = camera_controls.zoom(session.camera, WHEEL_STEP**wheel, 2 * u - 1, 1 - 2 * v, aspect)
+
+
+def _modifiers() -> frozenset[str]:
+    io = imgui.get_io()
+    held = {"ctrl": io.key_ctrl, "shift": io.key_shift, "alt": io.key_alt}
+    return frozenset(name for name, down in held.items() if down)
+
+
+PANEL = ViewportPanel

@@ -1,0 +1,84 @@
+"""The bar above the picture: the light's rotation, exposure, tone map, debug view; what the frame cost."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from imgui_bundle import imgui
+
+from editor import icons, theme
+from editor.ui import Ui
+from editor.widgets import em, icon_button, pretty, text, tooltip
+from engine.core.param import Param, ParamBlock
+
+#: (setting, icon, width in em); those a build's settings do not have are left out
+CONTROLS = (
+    ("environment_rotation", icons.ENVIRONMENT, 7.0),
+    ("exposure", icons.EXPOSURE, 6.0),
+    ("tone_map", "", 6.0),
+    ("view", icons.VISIBLE, 7.5),
+)
+
+
+def draw(ui: Ui) -> None:
+    """One line over the width; what does not fit is left out from the right."""
+    settings = ui.session.settings
+    known = {p.name: p for p in settings.PARAMS}
+    imgui.set_cursor_pos((em(0.5), imgui.get_cursor_pos_y() + em(0.25)))
+    for name, icon, width in CONTROLS:
+        if name in known and imgui.get_content_region_avail().x > em(width + 2):
+            _control(settings, known[name], icon, em(width))
+            imgui.same_line(0, em(0.9))
+    _cost(ui)
+
+
+def _control(settings: ParamBlock, param: Param, icon: str, width: float) -> None:
+    value: Any = getattr(settings, param.name)
+    if icon:
+        changed = value != param.default
+        if icon_button(f"{icon}##reset-{param.name}", f"{pretty(param.name)}: {param.doc}\nClick to reset", active=changed):
+            setattr(settings, param.name, param.default)
+        imgui.same_line(0, 0)
+    imgui.set_next_item_width(width)
+    if param.type == "enum":
+        index = param.choices.index(value)
+        changed, index = imgui.combo(f"##{param.name}", index, [_choice(param, c) for c in param.choices])
+        if changed:
+            setattr(settings, param.name, param.choices[index])
+    elif param.name == "environment_rotation":
+        changed, new = imgui.slider_float(f"##{param.name}", wrap_degrees(value), -180.0, 180.0, "%.0f°")
+        if changed:
+            setattr(settings, param.name, float(new))
+    else:
+        changed, new = imgui.drag_float(f"##{param.name}", value, 0.02, param.min, param.max, "%+.2f EV")
+        if changed:
+            setattr(settings, param.name, min(max(float(new), param.min), param.max))
+    tooltip(f"{pretty(param.name)}: {param.doc}")
+
+
+def _choice(param: Param, choice: str) -> str:
+    names = {"agx": "AgX", "aces": "ACES", "neutral": "PBR Neutral", "none": "None", "scene": "Scene's own"}
+    return names.get(choice, pretty(choice))
+
+
+def _cost(ui: Ui) -> None:
+    """Right-aligned: milliseconds of the last rendered frame, and its size."""
+    image = ui.session.image
+    if image.frame is None or not ui.session.preferences.show_stats:
+        imgui.new_line()
+        return
+    ms = image.frame.stats.total_ms
+    value = f"{ms:.1f} ms   {image.width} × {image.height}"
+    width = imgui.calc_text_size(value).x
+    if imgui.get_content_region_avail().x > width + em(0.7):
+        imgui.same_line(imgui.get_window_width() - width - em(0.7))
+        imgui.align_text_to_frame_padding()
+        text(value, theme.DIM)
+        tooltip(f"The last frame: {ms:.2f} ms, {1000 / max(ms, 1e-6):.0f} a second if it were drawn without pause")
+    else:
+        imgui.new_line()
+
+
+def wrap_degrees(angle: float) -> float:
+    """Into [-180, 180]."""
+    return (angle + 180.0) % 360.0 - 180.0

@@ -1,0 +1,167 @@
+"""#include, defines and the line map: GLSL files -> one ShaderSource that remembers where every line came from.
+
+A file is included once, as if it had an include guard; also where the first #include of it stands inside an #if.
+"""
+
+from __future__ import annotations
+
+import difflib
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from engine.core.errors import Place, ShaderError, UsageError
+from engine.gpu.types import ShaderSource
+
+STAGES = ("vertex", "fragment", "compute", "geometry", "tess_control", "tess_evaluation")
+MAX_BYTES = 4 << 20  # of one file: shaders are small, anything above is not a shader
+MAX_LINES = 200_000  # of the flattened text: conditional includes could multiply
+
+_DIRECTIVE = re.compile(r"\s*#\s*(\w+)")
+_INCLUDE = re.compile(r'\s*#\s*include\s*"([^"]+)"\s*(//.*|/\*.*\*/\s*)?$')
+
+
+@dataclass(slots=True)
+class _Flattening:
+    """The text so far. `done`: files surely in it; `conditional`: files in it inside some #if, with a guard."""
+
+    search: list[Path]
+    roots: list[Path]
+    text: list[str] = field(default_factory=list)
+    lines: list[tuple[str, int]] = field(default_factory=list)
+    stack: list[Path] = field(default_factory=list)
+    done: set[Path] = field(default_factory=set)
+    conditional: dict[Path, str] = field(default_factory=dict)
+
+    def put(self, line: str, file: str, number: int) -> None:
+        self.text.append(line)
+        self.lines.append((file, number))
+        if len(self.text) > MAX_LINES:
+            raise ShaderError(f"more than {MAX_LINES} lines after #include", where=Place(file, number))
+
+
+def flatten(
+    path: Path, stage: str, *, search: Sequence[Path], prelude: str = "", defines: Mapping[str, str | int] | None = None
+) -> ShaderSource:
+    """Read `path` and all it includes. Includes are looked for beside the including file, then in `search`, and must lie
+    below one of those folders. `STAGE_<STAGE>` is defined to 1, then `defines` in order of name, then comes `prelude`.
+
+    Raises ShaderError with file, line and column for a missing file (and what was meant), a cycle, a stray #version.
+    """
+    if stage not in STAGES:
+        raise UsageError(f"unknown shader stage {stage!r}", hint=f"choose one of {', '.join(STAGES)}")
+    state = _Flattening(list(search), [folder.resolve() for folder in (*search, path.parent)])
+    head = [f"#define STAGE_{stage.upper()} 1"]
+    head += [f"#define {name} {value}" for name, value in sorted((defines or {}).items())]
+    for number, line in enumerate(head, 1):
+        state.put(line, "<defines>", number)
+    if prelude:
+        _add_text(state, prelude, "<prelude>", None, depth=0)
+    if not path.is_file():
+        raise ShaderError("there is no such shader file", where=path, hint=_did_you_mean(path.name, state.search))
+    _add_file(state, path, depth=0)
+    return ShaderSource(stage, "\n".join([*state.text, ""]), tuple(state.lines))
+
+
+def _add_file(state: _Flattening, path: Path, depth: int) -> None:
+    """Append a file unless it is there already."""
+    key = path.resolve()
+    if key in state.done:
+        return
+    guard = state.conditional.get(key, "")
+    if depth > 0 and not guard:
+        guard = state.conditional[key] = f"INCLUDED_{len(state.conditional)}"
+    if depth == 0:
+        state.done.add(key)
+    if guard:
+        for line in (f"#ifndef {guard}", f"#define {guard} 1"):
+            state.put(line, str(path), 1)
+    state.stack.append(key)
+    _add_text(state, _read(path), str(path), path.parent, depth + bool(guard))
+    state.stack.pop()
+    if guard:
+        state.put("#endif", str(path), 1)
+
+
+def _add_text(state: _Flattening, text: str, file: str, folder: Path | None, depth: int) -> None:
+    in_comment = False
+    for number, line in enumerate(text.splitlines(), 1):
+        directive = None if in_comment else _DIRECTIVE.match(line)
+        in_comment = _comment_goes_on(line, in_comment)
+        name = directive[1] if directive else ""
+        if name == "include":
+            _include(state, line, Place(file, number, line.index("#") + 1), folder, depth)
+            continue
+        if name == "version":
+            raise ShaderError(
+                "#version does not belong in a shader file: the graphics backend writes it",
+                where=Place(file, number, line.index("#") + 1), hint="remove the line",
+            )  # fmt: skip
+        if name in ("if", "ifdef", "ifndef"):
+            depth += 1
+        elif name == "endif":
+            depth -= 1
+        state.put(line, file, number)
+
+
+def _include(state: _Flattening, line: str, place: Place, folder: Path | None, depth: int) -> None:
+    match = _INCLUDE.match(line)
+    if not match:
+        raise ShaderError('#include needs a file in double quotes: #include "lib/x.glsl"', where=place)
+    wanted = match[1]
+    place = Place(place.file, place.line, line.index('"') + 1)
+    found = None
+    for base in ([folder] if folder is not None else []) + state.search:
+        if (base / wanted).is_file():
+            found = base / wanted
+            break
+    if found is None:
+        raise ShaderError(
+            f"#include {wanted!r} is neither beside this file nor in {', '.join(map(str, state.search)) or 'no folder'}",
+            where=place, hint=_did_you_mean(wanted, state.search + ([folder] if folder else [])),
+        )  # fmt: skip
+    key = found.resolve()
+    if not any(key.is_relative_to(root) for root in state.roots):
+        raise ShaderError(
+            f"#include {wanted!r} lies outside the shader folders", where=place, hint="copy the file into one of them"
+        )
+    if key in state.stack:
+        chain = " -> ".join(p.name for p in [*state.stack[state.stack.index(key) :], key])
+        raise ShaderError(f"#include {wanted!r} closes a cycle: {chain}", where=place)
+    _add_file(state, found, depth)
+
+
+def _read(path: Path) -> str:
+    try:
+        if path.stat().st_size > MAX_BYTES:
+            raise ShaderError(f"a shader file has at most {MAX_BYTES >> 20} MiB", where=path)
+        return path.read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise ShaderError(f"not UTF-8 text: {error.reason} at byte {error.start}", where=path) from error
+    except OSError as error:
+        raise ShaderError(f"cannot be read: {error.strerror}", where=path) from error
+
+
+def _comment_goes_on(line: str, inside: bool) -> bool:
+    """Whether a /* comment */ is still open at the end of `line`."""
+    at = 0
+    while True:
+        if inside:
+            at = line.find("*/", at)
+            if at < 0:
+                return True
+            inside, at = False, at + 2
+        else:
+            block, rest = line.find("/*", at), line.find("//", at)
+            if block < 0 or 0 <= rest < block:
+                return False
+            inside, at = True, block + 2
+
+
+def _did_you_mean(wanted: str, folders: Sequence[Path]) -> str:
+    known: list[str] = []
+    for folder in folders:
+        known += [p.relative_to(folder).as_posix() for p in sorted(folder.rglob("*")) if p.is_file()][:2000]
+    near = difflib.get_close_matches(wanted, known, 1) or [k for k in known if Path(k).name == Path(wanted).name][:1]
+    return f"did you mean {near[0]!r}?" if near else ""

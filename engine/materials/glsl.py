@@ -1,0 +1,58 @@
+"""Generated GLSL of an effect: nobody types a binding, an offset or a padding.
+
+    struct MaterialParams { … };                                                 one field per param, four per slot
+    layout(std430, binding = 2) readonly buffer MaterialBlock { MaterialParams materials[]; };
+    layout(binding = <unit>) uniform sampler2DArray t_<slot>;                    units in declaration order, from 0
+    vec4 sample_<slot>(MaterialParams m, vec2 uv0, vec2 uv1);
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from engine.gpu.glsl_layout import BlockLayout, Field, layout
+
+if TYPE_CHECKING:
+    from engine.materials.effect import Effect
+
+#: the storage buffer with the rows of all materials of the effect
+MATERIAL_BINDING = 2
+
+#: parameter type -> GLSL type; a bool is 0 or 1, an enum the index of its choice
+GLSL_TYPES = {
+    "float": "float", "int": "int", "uint": "uint", "bool": "uint", "enum": "uint",
+    "vec2": "vec2", "vec3": "vec3", "vec4": "vec4", "color3": "vec3", "color4": "vec4",
+}  # fmt: skip
+
+
+def row_layout(effect: Effect) -> BlockLayout:
+    """std430 layout of MaterialParams. `<slot>_row0/1`: the two rows of the uv transform, (a, b, offset, 0)."""
+    fields = [Field(param.name, GLSL_TYPES[param.type]) for param in effect.params]
+    for slot in effect.textures:
+        fields += [
+            Field(f"{slot.name}_layer", "uint"), Field(f"{slot.name}_uv", "uint"),
+            Field(f"{slot.name}_row0", "vec4"), Field(f"{slot.name}_row1", "vec4"),
+        ]  # fmt: skip
+    return layout(fields or [Field("unused_", "uint")], "std430")
+
+
+def generate(effect: Effect, features: frozenset[str]) -> str:
+    """The text of a variant; `uv1` and `uv_transform` in `features` decide what sample_<slot>() does."""
+    parts = [
+        effect.row_layout.struct_glsl("MaterialParams").rstrip(),
+        f"layout(std430, binding = {MATERIAL_BINDING}) readonly buffer MaterialBlock {{ MaterialParams materials[]; }};",
+    ]
+    parts += [f"layout(binding = {slot.unit}) uniform sampler2DArray t_{slot.name};" for slot in effect.textures]
+    parts += [_sampler(slot.name, features) for slot in effect.textures]
+    return "\n".join(parts) + "\n"
+
+
+def _sampler(slot: str, features: frozenset[str]) -> str:
+    chosen = f"m.{slot}_uv == 1u ? uv1 : uv0" if "uv1" in features else "uv0"
+    lines = [f"vec4 sample_{slot}(MaterialParams m, vec2 uv0, vec2 uv1)", "{", f"    vec2 uv = {chosen};"]
+    if "uv_transform" in features:
+        lines += [
+            "    vec3 p = vec3(uv, 1.0);",
+            f"    uv = vec2(dot(m.{slot}_row0.xyz, p), dot(m.{slot}_row1.xyz, p));",
+        ]
+    return "\n".join([*lines, f"    return texture(t_{slot}, vec3(uv, float(m.{slot}_layer)));", "}"])

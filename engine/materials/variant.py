@@ -1,0 +1,162 @@
+"""A variant: one effect in one role with one set of features, streams and state, compiled to a pipeline."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from engine.core.errors import ShaderError
+from engine.gpu.preprocess import flatten
+from engine.gpu.types import (
+    BlendState,
+    Device,
+    Pipeline,
+    RenderPipelineDesc,
+    ShaderSource,
+    VertexAttribute,
+)
+from engine.materials.effect import BLENDS, BUILTIN_FEATURES, Effect
+
+#: shown where a fragment shader does not compile
+MAGENTA = "effects/magenta.frag"
+
+#: draws nothing: for an effect whose vertex shader does not compile either
+_NOWHERE = ShaderSource("vertex", "void main()\n{\n    gl_Position = vec4(2.0, 2.0, 2.0, 1.0);\n}\n")
+
+
+@dataclass(frozen=True, slots=True)
+class VariantRequest:
+    """What makes a variant what it is. None takes what the technique says."""
+
+    effect: str
+    role: str
+    features: frozenset[str]
+    attributes: tuple[VertexAttribute, ...]
+    topology: str = "triangles"
+    cull: str | None = None
+    front_ccw: bool = True
+    targets: int = 1
+    blend: BlendState | str | None = None
+    depth_write: bool | None = None
+    depth_compare: str | None = None
+    fill: str | None = None
+    defines: tuple[tuple[str, str | int], ...] = ()
+    prelude: str = ""
+
+
+@dataclass(slots=True, eq=False)
+class Variant:
+    """A cached variant. `pipeline` is the last good one; `error` says why the newest source has none.
+
+    `features`: those that are on in this role; `reasons`: why; `absent`: feature -> why it is off.
+    """
+
+    request: VariantRequest
+    device: Device
+    features: frozenset[str]
+    reasons: dict[str, str] = field(default_factory=dict)
+    absent: dict[str, str] = field(default_factory=dict)
+    pipeline: Pipeline | None = None
+    error: ShaderError | None = None
+    fallback: Pipeline | None = None
+    files: tuple[Path, ...] = ()
+    source_hash: str = ""
+
+    @property
+    def label(self) -> str:
+        return f"{self.request.effect} {self.request.role}"
+
+
+@dataclass(frozen=True, slots=True)
+class Compiled:
+    """A pipeline, the files it was made from, and the hash of its source."""
+
+    pipeline: Pipeline
+    files: tuple[Path, ...]
+    source_hash: str
+
+
+def compile_variant(
+    device: Device, effect: Effect, request: VariantRequest, search: Sequence[Path], *, magenta: bool = False
+) -> Compiled:
+    """Flatten and compile. `magenta` replaces the fragment shader. Raises ShaderError with file:line:col."""
+    desc = describe(effect, request, search, magenta=magenta)
+    digest = hashlib.sha256(desc.vertex.text.encode("utf-8"))
+    digest.update(b"\0" + (desc.fragment.text if desc.fragment else "").encode("utf-8"))
+    stages = (desc.vertex, desc.fragment) if desc.fragment else (desc.vertex,)
+    names = dict.fromkeys(file for stage in stages for file, _ in stage.lines)
+    files = tuple(path for path in (_find(name, search) for name in names) if path is not None)
+    return Compiled(device.render_pipeline(desc), files, digest.hexdigest())
+
+
+def compile_nowhere(device: Device, request: VariantRequest) -> Pipeline:
+    """The pipeline that draws nothing."""
+    return device.render_pipeline(
+        RenderPipelineDesc(
+            f"{request.effect} {request.role} nowhere", _NOWHERE, None, topology=request.topology, depth=None,
+            blend=(None,) * request.targets,
+        )
+    )  # fmt: skip
+
+
+def describe(
+    effect: Effect, request: VariantRequest, search: Sequence[Path], *, magenta: bool = False
+) -> RenderPipelineDesc:
+    """All state of the variant's pipeline. Raises ShaderError when a file or an include is not there."""
+    technique = effect.technique(request.role)
+    features = effect.active(request.role, request.features)
+    streams = [attribute.stream for attribute in request.attributes]
+    defines: dict[str, str | int] = {**effect.defines(request.role, features, streams), **dict(request.defines)}
+    prelude = request.prelude + effect.glsl(features)
+
+    def stage(kind: str, file: str) -> ShaderSource:
+        return flatten(shader_file(file, search), kind, search=search, prelude=prelude, defines=defines)
+
+    fragment = stage("fragment", MAGENTA if magenta else technique.fragment) if technique.fragment else None
+    blend = BLENDS[request.blend or technique.blend] if not isinstance(request.blend, BlendState) else request.blend
+    return RenderPipelineDesc(
+        label=f"{effect.name} {request.role} {'+'.join(sorted(features))}".rstrip(),
+        vertex=stage("vertex", technique.vertex),
+        fragment=fragment,
+        attributes=request.attributes,
+        topology=request.topology,
+        depth=replace(
+            technique.depth,
+            write=technique.depth.write if request.depth_write is None else request.depth_write,
+            compare=request.depth_compare or technique.depth.compare,
+        ),
+        blend=(blend,) * request.targets,
+        raster=replace(
+            technique.raster,
+            cull=request.cull or technique.raster.cull,
+            fill=request.fill or technique.raster.fill,
+            front_ccw=request.front_ccw,
+        ),
+    )
+
+
+def absent_features(effect: Effect, role: str, wanted: frozenset[str], dropped: Mapping[str, str]) -> dict[str, str]:
+    """Of every feature that is off in a variant: why."""
+    active = effect.active(role, wanted)
+    reasons = {}
+    for name in (*effect.features, *BUILTIN_FEATURES):
+        if name in dropped:
+            reasons[name] = dropped[name]
+        elif name not in active:
+            reasons[name] = f"makes no difference in {role}" if name in wanted else "no material of the variant uses it"
+    return reasons
+
+
+def shader_file(name: str, search: Sequence[Path]) -> Path:
+    """`effects/surface.vert` in the search folders; the path in the first one when it is in none."""
+    return _find(name, search) or (Path(search[0]) / name if search else Path(name))
+
+
+def _find(name: str, search: Sequence[Path]) -> Path | None:
+    """The file of that name: as it is, or in a search folder; None for generated text."""
+    for path in (Path(name), *(Path(folder) / name for folder in search)):
+        if path.is_file():
+            return path
+    return None

@@ -1,0 +1,256 @@
+"""glTF file -> ImportedModel: everything in order, all findings collected."""
+
+from __future__ import annotations
+
+import copy
+from pathlib import Path
+from typing import Any
+
+from engine.assets.scene import MeshRef, NodeAsset
+from engine.core.errors import FormatError, InputError, Place
+from engine.core.findings import Findings
+from importers.gltf.accessors import Accessors
+from importers.gltf.animations import read_animation
+from importers.gltf.container import Buffers, Container, read_container
+from importers.gltf.document import Document
+from importers.gltf.hierarchy import Hierarchy, read_hierarchy, scene_roots
+from importers.gltf.materials import normal_map_uv, read_material
+from importers.gltf.meshes import MeshReader, Slot
+from importers.gltf.nodes import node_name, read_node
+from importers.gltf.skins import Skin, read_skin
+from importers.gltf.uris import resolve_uri
+from importers.model import ImportedMaterial, ImportedModel, SourceImage
+from importers.settings import ImportSettings
+
+#: extensions that may stand in `extensionsRequired`; KHR_materials_* come in as well, kept if not shown
+_KNOWN = {
+    "KHR_texture_transform", "KHR_lights_punctual", "KHR_mesh_quantization", "EXT_texture_webp",
+    "KHR_materials_unlit", "KHR_materials_emissive_strength", "KHR_materials_pbrSpecularGlossiness",
+    "KHR_materials_clearcoat", "KHR_materials_sheen", "KHR_materials_transmission", "KHR_materials_volume",
+    "KHR_materials_ior", "KHR_materials_specular", "KHR_materials_iridescence", "KHR_materials_anisotropy",
+    "KHR_materials_dispersion", "KHR_materials_diffuse_transmission", "KHR_materials_variants",
+}  # fmt: skip
+_COMPRESSED = {
+    "KHR_draco_mesh_compression": "export it without Draco compression",
+    "EXT_meshopt_compression": "export it without meshopt compression",
+    "KHR_meshopt_compression": "export it without meshopt compression",
+    "KHR_texture_basisu": "export the textures as PNG, JPEG or WebP",
+}
+
+
+def load(path: Path, settings: ImportSettings) -> ImportedModel:
+    """Read a .gltf or .glb whole. Raises InputError or FormatError where nothing can be had from it; everything less
+    is a finding of the model, and the rest is imported."""
+    findings = Findings(str(path))
+    container = read_container(path, settings, findings)
+    doc = Document(container.root, findings)
+    _check_extensions(doc, path)
+    buffers = Buffers(container, doc.objects("buffers"), findings)
+    accessors = Accessors(doc, buffers, settings.max_decoded_bytes)
+    model = ImportedModel(path.stem, findings)
+    model.materials = [read_material(doc, i) for i in range(len(doc.objects("materials")))]
+    model.images = [_image(doc, container, accessors, i) for i in range(len(doc.objects("images")))]
+    _Builder(doc, accessors, model).build()
+    model.dependencies = container.dependencies
+    model.summary |= _summary(doc, container)
+    return model
+
+
+def dependencies(path: Path, settings: ImportSettings) -> list[tuple[str, Path]]:
+    """(uri, file) of every file that the source names, without reading them; refused URIs are left out."""
+    container = read_container(path, settings, Findings(str(path)))
+    doc = Document(container.root, Findings())
+    found = []
+    for name in ("buffers", "images"):
+        for entry in doc.objects(name):
+            uri = entry.get("uri")
+            if isinstance(uri, str) and not uri.startswith("data:"):
+                try:
+                    found.append((uri, resolve_uri(uri, container.folder, settings.allow_outside)))
+                except InputError:
+                    continue
+    return found
+
+
+def _check_extensions(doc: Document, path: Path) -> None:
+    required = [n for n in doc.array(doc.root, "extensionsRequired", "") if isinstance(n, str)]
+    unknown = sorted({n for n in required if n not in _KNOWN})
+    if unknown:
+        hint = next((_COMPRESSED[n] for n in unknown if n in _COMPRESSED), "export it without them")
+        raise FormatError(
+            f"requires {', '.join(unknown)[:300]}, which {'is' if len(unknown) == 1 else 'are'} not supported",
+            where=Place(str(path), path="extensionsRequired"), hint=hint,
+        )  # fmt: skip
+    used = [n for n in doc.array(doc.root, "extensionsUsed", "") if isinstance(n, str)]
+    for name in sorted(set(used) & _COMPRESSED.keys()):
+        doc.findings.info("gltf.extension", f"{name} is not read; the plain data is used where there is some",
+                          "extensionsUsed")  # fmt: skip
+
+
+def _image(doc: Document, container: Container, accessors: Accessors, index: int) -> SourceImage:
+    image, where = doc.objects("images")[index], f"images[{index}]"
+    uri = doc.text(image, "uri", where)
+    name = doc.text(image, "name", where)
+    if not name and uri and not uri.startswith("data:"):
+        name = Path(uri.replace("\\", "/")).stem
+
+    def fetch() -> bytes | None:
+        if "uri" in image:
+            if not uri:
+                doc.findings.error("gltf.image", "the image has no usable uri", where)
+                return None
+            try:
+                return container.read_uri(uri)
+            except InputError as error:
+                place = str(error.where)
+                doc.findings.error(
+                    "gltf.image", f"{place}: {error.message}" if place else error.message, f"{where}.uri",
+                    error.hint or "the texture draws as magenta",
+                )  # fmt: skip
+                return None
+        view = doc.integer(image, "bufferView", where)
+        data = None if view is None else accessors.view_bytes(view, f"{where}.bufferView")
+        if data is None:
+            doc.findings.error("gltf.image", "the image's bytes are not to be had; it draws as magenta", where)
+            return None
+        return bytes(data)
+
+    return SourceImage(name or f"image_{index}", fetch, where)
+
+
+class _Builder:
+    """Nodes, skins, meshes and clips, which all need one another's numbers."""
+
+    def __init__(self, doc: Document, accessors: Accessors, model: ImportedModel) -> None:
+        self._doc = doc
+        self._accessors = accessors
+        self._model = model
+        self._names = [node_name(doc, i) for i in range(len(doc.objects("nodes")))]
+        self._reader = MeshReader(doc, accessors, [normal_map_uv(m) for m in model.materials])
+        self._skins: dict[int, Skin | None] = {}
+        self._meshes: dict[tuple[int, int], int] = {}
+        self._unlit: dict[int, int] = {}
+
+    def build(self) -> None:
+        doc, model = self._doc, self._model
+        hierarchy = read_hierarchy(doc)
+        roots = self._with_joints(hierarchy, scene_roots(doc, hierarchy))
+        order = hierarchy.subtree(roots)
+        rows = {node: row for row, node in enumerate(order)}
+        morphs: dict[int, int] = {}
+        inside = set(roots)
+        for node in order:
+            asset = read_node(doc, node)
+            asset.parent = -1 if node in inside else rows[hierarchy.parents[node]]
+            self._attach_mesh(node, asset, hierarchy, rows)
+            if asset.mesh is not None:
+                morphs[node] = len(model.meshes[asset.mesh.index].morphs)
+            if asset.camera is not None and model.active_camera < 0:
+                model.active_camera = rows[node]
+            model.nodes.append(asset)
+        used = {mesh for mesh, _ in self._meshes}
+        for mesh in range(len(doc.objects("meshes"))):
+            if mesh not in used:
+                self._mesh(mesh, -1, hierarchy)
+        if not model.meshes:
+            doc.findings.warn("gltf.no-meshes", "the file has no mesh that can be drawn", hint="the scene will be empty")
+        for number in range(len(doc.objects("animations"))):
+            clip = read_animation(doc, self._accessors, number, rows, self._names, morphs)
+            if clip.channels:
+                model.clips.append(clip)
+
+    def _with_joints(self, hierarchy: Hierarchy, roots: list[int]) -> list[int]:
+        """The scene's roots, and those above joints that the scene forgot."""
+        doc, inside = self._doc, set(hierarchy.subtree(roots))
+        for node in list(inside):
+            skin = doc.objects("nodes")[node].get("skin")
+            if not isinstance(skin, int) or not 0 <= skin < len(doc.objects("skins")):
+                continue
+            for joint in doc.indices(doc.objects("skins")[skin], "joints", f"skins[{skin}]", "nodes"):
+                if joint not in inside:
+                    root = hierarchy.root_of(joint)
+                    doc.findings.warn(
+                        "gltf.skin", f"joints outside the scene; nodes[{root}] is taken in", f"skins[{skin}].joints"
+                    )
+                    roots.append(root)
+                    inside |= set(hierarchy.subtree([root]))
+        # a root of the scene that lies below a root taken in for its joints comes with it
+        return [n for n in roots if hierarchy.root_of(n) == n or hierarchy.root_of(n) not in roots]
+
+    def _attach_mesh(self, node: int, asset: NodeAsset, hierarchy: Hierarchy, rows: dict[int, int]) -> None:
+        doc, where = self._doc, f"nodes[{node}]"
+        source = doc.objects("nodes")[node]
+        mesh = doc.index(source, "mesh", where, "meshes")
+        skin_index = doc.index(source, "skin", where, "skins")
+        if mesh is None:
+            return
+        number = self._mesh(mesh, -1 if skin_index is None else skin_index, hierarchy)
+        if number < 0:
+            return
+        built = self._model.meshes[number]
+        asset.mesh = MeshRef("", number, built.name)
+        if skin_index is not None:
+            skin = self._skins[skin_index]
+            if skin is not None and built.skeleton is not None:
+                asset.joints = [rows[j] for j in skin.joints]
+            elif skin is not None:
+                doc.findings.warn("gltf.skin", "the skin's mesh has no joints and weights; it stays rigid", where)
+        weights = source.get("weights", doc.objects("meshes")[mesh].get("weights"))
+        if built.morphs:
+            given = doc.vector({"weights": weights}, "weights", where, [0.0] * len(built.morphs))
+            asset.weights = list(given)
+
+    def _mesh(self, mesh: int, skin_index: int, hierarchy: Hierarchy) -> int:
+        """The number in the model of a mesh bound to a skin (-1: none); -1 where nothing of it can be drawn."""
+        key = mesh, skin_index
+        if key not in self._meshes:
+            skin = None
+            if skin_index >= 0:
+                if skin_index not in self._skins:
+                    self._skins[skin_index] = read_skin(
+                        self._doc, self._accessors, skin_index, hierarchy.parents, hierarchy.sequence, self._names
+                    )
+                skin = self._skins[skin_index]
+            built = self._reader.build(mesh, skin)
+            if built is None:
+                self._meshes[key] = -1
+            else:
+                self._meshes[key] = len(self._model.meshes)
+                self._model.meshes.append(built[0])
+                self._model.slots.append([self._material(slot) for slot in built[1]])
+        return self._meshes[key]
+
+    def _material(self, slot: Slot) -> int:
+        """The material of a slot; lines and points without normals get an unlit twin of theirs."""
+        if not slot.unlit:
+            return slot.material
+        if slot.material not in self._unlit:
+            materials = self._model.materials
+            if slot.material >= 0:
+                twin = copy.deepcopy(materials[slot.material])
+            else:
+                from engine.assets.material import MaterialAsset
+
+                twin = ImportedMaterial(MaterialAsset("default"))
+            if "unlit" in twin.asset.features:
+                self._unlit[slot.material] = slot.material
+            else:
+                twin.asset.name += " unlit"
+                twin.asset.features.append("unlit")
+                self._unlit[slot.material] = len(materials)
+                materials.append(twin)
+        return self._unlit[slot.material]
+
+
+def _summary(doc: Document, container: Container) -> dict[str, Any]:
+    asset = doc.object(doc.root, "asset", "")
+    names = ("scenes", "nodes", "meshes", "materials", "textures", "images", "samplers", "skins", "animations",
+             "cameras", "accessors", "bufferViews", "buffers")  # fmt: skip
+    return {
+        "format": "GLB" if container.binary is not None else "glTF",
+        "version": str(asset.get("version", "")),
+        "generator": str(asset.get("generator", "")),
+        "counts": {name: len(doc.objects(name)) for name in names},
+        "extensions_used": [str(n) for n in doc.array(doc.root, "extensionsUsed", "")],
+        "extensions_required": [str(n) for n in doc.array(doc.root, "extensionsRequired", "")],
+    }
