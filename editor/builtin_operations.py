@@ -133,7 +133,6 @@ def _toggle_loop(session: Session) -> None:
     session.playback.loop = not session.playback.loop
 
 
-
 def _toggle_orthographic(session: Session) -> None:
     session.camera = replace(session.camera, orthographic=not session.camera.orthographic)
 

@@ -147,9 +147,7 @@ def frame(camera: OrbitCamera, low: Vec3, high: Vec3, aspect: float) -> OrbitCam
     half = 0.5 * camera.yfov
     if aspect < 1.0:  # a tall view is narrower than high
         half = math.atan(math.tan(half) * aspect)
-    return replace(
-        camera, target=_tuple(0.5 * (low + high)), distance=1.1 * radius / math.sin(half), roll=0.0
-    )
+    return replace(camera, target=_tuple(0.5 * (low + high)), distance=1.1 * radius / math.sin(half), roll=0.0)
 
 
 def along(camera: OrbitCamera, view: str) -> OrbitCamera:

@@ -73,9 +73,7 @@ def _edit_float(param: Param, value: float, degrees: bool) -> tuple[bool, float]
     unit = "°" if degrees else f" {param.unit}" if param.unit and param.unit.isascii() else ""
     format = f"%.{1 if degrees else 3}f{unit}"
     if math.isfinite(low) and math.isfinite(high):
-        changed, new = imgui.slider_float(
-            "##value", value * factor, low, high, format, imgui.SliderFlags_.always_clamp
-        )
+        changed, new = imgui.slider_float("##value", value * factor, low, high, format, imgui.SliderFlags_.always_clamp)
     else:
         speed = param.step or max(abs(value * factor) * 0.005, 0.002)
         bounded = math.isfinite(low) or math.isfinite(high)

@@ -25,9 +25,7 @@ def euler_from_quaternion(q: tuple[float, ...]) -> tuple[float, float, float]:
 
 def quaternion_from_euler(degrees: tuple[float, ...]) -> tuple[float, float, float, float]:
     """The unit quaternion xyzw of (x, y, z) in degrees."""
-    (cx, sx), (cy, sy), (cz, sz) = (
-        (math.cos(math.radians(a) / 2), math.sin(math.radians(a) / 2)) for a in degrees
-    )
+    (cx, sx), (cy, sy), (cz, sz) = ((math.cos(math.radians(a) / 2), math.sin(math.radians(a) / 2)) for a in degrees)
     return (
         sx * cy * cz - cx * sy * sz,
         cx * sy * cz + sx * cy * sz,

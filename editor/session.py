@@ -64,6 +64,10 @@ class Session:
     width: int = 1280
     height: int = 720
     save_preferences: bool = True
+    #: name of a node to select when a document opens
+    select_on_open: str = ""
+    #: whether anything the user asked to open could not be
+    failed: bool = False
     _settings: ParamBlock | None = None
 
     # --- opening ---
@@ -110,6 +114,8 @@ class Session:
         self.playback.playing = self.playback.available
         document.runtime.update(0.0)
         self.reset_camera()
+        if self.select_on_open in scene.nodes.name:
+            document.select(list(scene.nodes.name).index(self.select_on_open))
         self.preferences.add_recent(document.source)
         self.remember()
 
@@ -125,6 +131,7 @@ class Session:
         """Log an error and show it in the bar; nothing else changes."""
         self.messages.error(error)
         self.ui.error_bar = str(error)
+        self.failed = True
 
     # --- editing ---
 

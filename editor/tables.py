@@ -1,11 +1,11 @@
 """The columns that the editor may change, by table name: how to read them as plain values and write them back.
 
-    nodes        translation rotation scale visible         rows = node rows
-    lights       color intensity range inner outer          rows = light rows
-    cameras      yfov znear                                 rows = camera rows
-    materials    <parameter of the effect>                  rows = material ids
-    environment  fields of EnvironmentAsset                 row 0
-    look         fields of LookAsset                        row 0
+nodes        translation rotation scale visible         rows = node rows
+lights       color intensity range inner outer          rows = light rows
+cameras      yfov znear                                 rows = camera rows
+materials    <parameter of the effect>                  rows = material ids
+environment  fields of EnvironmentAsset                 row 0
+look         fields of LookAsset                        row 0
 """
 
 from __future__ import annotations

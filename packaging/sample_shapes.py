@@ -99,6 +99,8 @@ def rounded(points: Sequence[Point], bevel: float, steps: int = 4, *, closed: bo
     vertex normals are weighted by segment length.
     """
     raw = np.array(points, np.float64)
+    keep = np.concatenate([[True], np.linalg.norm(np.diff(raw, axis=0), axis=1) > 1e-7])
+    raw = raw[keep]  # an arc may end where the next point is
     count = len(raw)
     edges = (np.roll(raw, -1, 0) - raw) if closed else np.diff(raw, axis=0)
     lengths = np.linalg.norm(edges, axis=1)
@@ -223,7 +225,7 @@ def annulus(inner: float, outer: float, segments: int, u_repeat: float = 1.0) ->
     return mesh
 
 
-def tube(path: Sequence[Sequence[float]], radii: float | Sequence[float] | Array, sides: int = 12) -> Mesh:
+def tube(path: Sequence[Sequence[float]] | Array, radii: float | Sequence[float] | Array, sides: int = 12) -> Mesh:
     """A round bar along `path` f8[n,3], closed by half-round ends. u around, v along (1 per 0.1 m)."""
     points = np.array(path, np.float64)
     radius = np.broadcast_to(np.array(radii, np.float64), (len(points),)).copy()

@@ -156,8 +156,8 @@ def brushed(size: int = 256) -> tuple[Pixels, Pixels]:
 def marble(size: int = 1024) -> Pixels:
     """White marble with folded grey veins and a few thin golden ones."""
     x, y = grid(size, size)
-    warp_x = fbm2(x * 3, y * 3, 3, 3, 41, 5)
-    warp_y = fbm2(x * 3, y * 3, 3, 3, 47, 5)
+    warp_x = fbm2(x * 3, y * 3, 3, 3, 41, 5, 0.42)
+    warp_y = fbm2(x * 3, y * 3, 3, 3, 47, 5, 0.42)
     u, v = x * 3 + warp_x * 0.75, y * 3 + warp_y * 0.75
     broad = 1 - np.abs(noise2(u, v, 3, 3, 53))
     fine = 1 - np.abs(noise2(u * 2 + 0.37, v * 2 + 0.11, 6, 6, 59))
@@ -175,10 +175,10 @@ def walnut(size: int = 512) -> tuple[Pixels, Pixels]:
     """Walnut along u: colour, and roughness of a satin varnish over its pores."""
     x, y = grid(size, size)
     bend = fbm2(x * 2, y * 2, 2, 2, 71, 3)
-    rings = np.sin((y * 9 + bend * 1.1) * math.tau) * 0.5 + 0.5
+    rings = np.sin((y * 14 + bend * 1.3) * math.tau) * 0.5 + 0.5
     fibre = noise2(x * 6, y * 128, 6, 128, 73) + 0.6 * noise2(x * 12, y * 256, 12, 256, 79)
     pores = smoothstep(0.45, 0.9, noise2(x * 24, y * 192, 24, 192, 83))
-    colour = mix(rgb("#4a2a18"), rgb("#7d4d2c"), 0.25 + 0.55 * rings + 0.18 * fibre)
+    colour = mix(rgb("#4a2a18"), rgb("#7d4d2c"), 0.3 + 0.36 * rings + 0.22 * fibre)
     colour = mix(colour, rgb("#2a160c"), 0.55 * pores)
     return to_bytes(colour), metal_rough(1.0, 0.34 + 0.12 * pores + 0.04 * fibre, 0.0)
 
@@ -206,7 +206,7 @@ def stone_floor(size: int = 1024, tiles: int = 4) -> tuple[Pixels, Pixels, Pixel
     slate = mix(slate, rgb("#8a9096"), 0.22 * veins)
     colour = pale * (1 - dark[..., None]) + slate * dark[..., None]
     colour = mix(colour, rgb("#17140f"), grout * 0.9)
-    height = smoothstep(-0.01, 0.035, inside) * 1.6 + clouds * 0.10 + specks * 0.012
+    height = smoothstep(-0.01, 0.035, inside) * 1.6 + clouds * 0.12
     half = height.reshape(size // 2, 2, size // 2, 2).mean((1, 3))
     rough = np.where(dark > 0, 0.30 + 0.10 * clouds, 0.42 + 0.10 * clouds) + 0.02 * specks
     rough = rough * (1 - grout) + 0.9 * grout
@@ -236,7 +236,7 @@ def clay(width: int = 512) -> tuple[Pixels, Pixels, Pixels]:
     """Unglazed terracotta, modelled by hand: colour, normals, roughness (equirectangular)."""
     points = sphere_points(width, width // 2)
     dents = fbm3(points * 2.6, 113, 4)
-    grain = fbm3(points * 16, 127, 3)
+    grain = fbm3(points * 12, 127, 2)
     grooves = np.sin(points[..., 1] * 46 + fbm3(points * 2, 131, 3) * 3.0)
     height = dents * 1.0 + grain * 0.22 + grooves * 0.10
     colour = mix(rgb("#8f452a"), rgb("#c9774c"), 0.5 + 0.45 * dents + 0.15 * grain)
@@ -338,8 +338,8 @@ def filigree(width: int = 512, height: int = 256) -> Pixels:
     for centre_x in (0.0, 0.5):
         curve(np.array([[centre_x, 0.5]]), 0.075)
         for angle in range(0, 360, 60):
-            a = math.radians(angle + 30)
-            curve(np.array([[centre_x + 0.055 * math.cos(a), 0.5 + 0.11 * math.sin(a)]]), 0.04)
+            turn = math.radians(angle + 30)
+            curve(np.array([[centre_x + 0.055 * math.cos(turn), 0.5 + 0.11 * math.sin(turn)]]), 0.04)
     alpha = np.asarray(canvas.resize((width, height), Image.Resampling.BOX), np.float64) / 255
     shade = rgb("#d9ab57") * np.ones((height, width, 1))
     return to_bytes(np.concatenate([shade, alpha[..., None]], -1))
@@ -423,8 +423,8 @@ def engraved_scale(width: int = 1024, height: int = 128) -> tuple[Pixels, Pixels
             for (ax, ay), (bx, by) in zip(tips, [*tips[1:], tips[0]], strict=True):
                 line(ax, ay, bx, by, 0.03)
     cut = np.asarray(canvas.resize((width, height), Image.Resampling.BOX), np.float64) / 255
-    x, y = grid(width, height)
-    grain = noise2(x * 8, y * 64, 8, 64, 167) + 0.5 * noise2(x * 16, y * 96, 16, 96, 173)
+    u, v = grid(width, height)
+    grain = noise2(u * 8, v * 64, 8, 64, 167) + 0.5 * noise2(u * 16, v * 96, 16, 96, 173)
     colour = mix(rgb("#f0c56b"), rgb("#1b130a"), cut * 0.93)
     height_map = -cut * 1.2 + grain * 0.03
     return (

@@ -71,7 +71,9 @@ class InspectorPanel(Panel):
         with property_grid("transform") as shown:
             if not shown:
                 return
-            self._vector(ui, document, row, "translation", "Position", "Metres, in the parent's frame", size * 0.002, "%.3f")
+            self._vector(
+                ui, document, row, "translation", "Position", "Metres, in the parent's frame", size * 0.002, "%.3f"
+            )
             quaternion = tuple(float(v) for v in nodes.rotation[row])
             property_row("Rotation", "Degrees about X, then Y, then Z")
             changed, angles = imgui.drag_float3("##rotation", list(self._angles(row, quaternion)), 0.5, 0, 0, "%.1f°")

@@ -141,7 +141,9 @@ class ViewportPanel(Panel):
         elif self.motion == "fly":
             camera = self._fly(ui, camera_controls.look(camera, dx, dy), seconds)
         elif self.motion == "environment":
-            turned = viewport_strip.wrap_degrees(float(getattr(session.settings, "environment_rotation", 0.0)) + 0.5 * dx)
+            turned = viewport_strip.wrap_degrees(
+                float(getattr(session.settings, "environment_rotation", 0.0)) + 0.5 * dx
+            )
             session.settings.environment_rotation = turned
         session.camera = camera
 

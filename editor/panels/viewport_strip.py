@@ -36,7 +36,9 @@ def _control(settings: ParamBlock, param: Param, icon: str, width: float) -> Non
     value: Any = getattr(settings, param.name)
     if icon:
         changed = value != param.default
-        if icon_button(f"{icon}##reset-{param.name}", f"{pretty(param.name)}: {param.doc}\nClick to reset", active=changed):
+        if icon_button(
+            f"{icon}##reset-{param.name}", f"{pretty(param.name)}: {param.doc}\nClick to reset", active=changed
+        ):
             setattr(settings, param.name, param.default)
         imgui.same_line(0, 0)
     imgui.set_next_item_width(width)

@@ -17,7 +17,7 @@
     preprocess    #include, defines, line map                    compile_log driver logs -> ShaderError
     gl/           OpenGL 4.5 (4.3 + DSA + clip control)          null/       records the call stream, no GPU
 
-May import engine.core and engine.assets (formats). Importing this package imports no graphics library; open_device does.
+May import engine.core and engine.assets (formats). No graphics library is imported before open_device.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ BACKENDS = ("gl", "null")
 
 
 def open_device(backend: str = "gl", *, attach: bool = False, debug: bool = False) -> Device:
-    """Open a device. `attach`: use the OpenGL context that is current (a window's) instead of an own one without window.
+    """Open a device. `attach`: use the OpenGL context that is current (a window's), not an own one without window.
 
     `debug`: check for API errors after each pass and name objects for frame debuggers. Raises DeviceError where the
     machine has no usable device, UsageError for an unknown backend."""

@@ -67,7 +67,7 @@ def compile_error(source: ShaderSource, log: str, label: str = "") -> ShaderErro
     first = Place()
     for index, entry in enumerate(errors[:SHOWN]):
         code = text_lines[entry.line - 1] if 1 <= entry.line <= len(text_lines) else ""
-        column = entry.column or _guess_column(code, entry.text)
+        column = _column(code, entry)
         place = place_of(source, entry.line, column)
         if index == 0:
             first = place
@@ -86,13 +86,18 @@ def link_error(label: str, sources: tuple[ShaderSource, ...], log: str) -> Shade
     return ShaderError(f"{label!r} does not link: {said}", where=" + ".join(files) or None)
 
 
-def _guess_column(code: str, text: str) -> int:
-    """NVIDIA, AMD and Intel give no column: that of the first quoted name that stands in the line, else 0."""
-    for name in _QUOTED.findall(text):
-        match = re.search(rf"\b{re.escape(name)}\b", code)
-        if match:
-            return match.start() + 1
-    return 0
+def _column(code: str, entry: LogEntry) -> int:
+    """Where in `code` the message points: at the quoted name that stands in the line, else at the driver's column, else
+    0 (NVIDIA, AMD and Intel give none). Mesa counts columns after it has shrunk each run of blanks to one."""
+    told = 0
+    if entry.column:
+        starts = [m.start() for m in re.finditer(r"\s+|\S", code)]
+        told = starts[entry.column - 1] + 1 if entry.column <= len(starts) else 0
+    for name in _QUOTED.findall(entry.text):
+        columns = [m.start() + 1 for m in re.finditer(rf"\b{re.escape(name)}\b", code)]
+        if columns:
+            return min(columns, key=lambda column: abs(column - told))
+    return told
 
 
 def _excerpt(code: str, column: int) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache
 
 import numpy as np
 from numpy.typing import DTypeLike
@@ -86,7 +86,7 @@ _VERTEX = re.compile(r"(f2|f4|i1|i2|i4|u1|u2|u4|snorm8|snorm16|unorm8|unorm16)x(
 _NORMALIZED = {"snorm8": "i1", "snorm16": "i2", "unorm8": "u1", "unorm16": "u2"}
 
 
-@lru_cache(maxsize=None)
+@cache
 def vertex_format(name: str) -> VertexFormat:
     """Parse `f4x3`, `snorm16x4`, `u2x4` …; UsageError for anything else."""
     match = _VERTEX.fullmatch(name)

@@ -98,9 +98,7 @@ def layout(fields: Sequence[Field], rule: str = "std140") -> BlockLayout:
         offsets.append(offset)
         offset += size
         widest = max(widest, alignment)
-    dtype = np.dtype(
-        {"names": names, "formats": forms, "offsets": offsets, "itemsize": _round_up(offset, widest)}  # type: ignore[arg-type]  # numpy's stub wants precise formats
-    )
+    dtype = np.dtype({"names": names, "formats": forms, "offsets": offsets, "itemsize": _round_up(offset, widest)})
     return BlockLayout(tuple(fields), rule, dtype)
 
 

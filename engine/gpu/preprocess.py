@@ -44,8 +44,9 @@ class _Flattening:
 def flatten(
     path: Path, stage: str, *, search: Sequence[Path], prelude: str = "", defines: Mapping[str, str | int] | None = None
 ) -> ShaderSource:
-    """Read `path` and all it includes. Includes are looked for beside the including file, then in `search`, and must lie
-    below one of those folders. `STAGE_<STAGE>` is defined to 1, then `defines` in order of name, then comes `prelude`.
+    """Read `path` and all it includes. Includes are looked for beside the including file, then in `search`, and must
+    lie below one of those folders. `STAGE_<STAGE>` is defined to 1, then come `defines` by name, then
+    `prelude`.
 
     Raises ShaderError with file, line and column for a missing file (and what was meant), a cycle, a stray #version.
     """
@@ -118,7 +119,7 @@ def _include(state: _Flattening, line: str, place: Place, folder: Path | None, d
             break
     if found is None:
         raise ShaderError(
-            f"#include {wanted!r} is neither beside this file nor in {', '.join(map(str, state.search)) or 'no folder'}",
+            f"#include {wanted!r} is neither beside this file nor in {', '.join(map(str, state.search))}",
             where=place, hint=_did_you_mean(wanted, state.search + ([folder] if folder else [])),
         )  # fmt: skip
     key = found.resolve()

@@ -10,7 +10,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
-import numpy as np
 from numpy.typing import NDArray
 
 # --- formats -------------------------------------------------------------------------------------------------------
@@ -63,7 +62,8 @@ class TextureDesc:
 
 @dataclass(frozen=True, slots=True)
 class SamplerDesc:
-    """`min_filter` as in engine.assets.material.FILTERS; wraps: repeat | mirror | clamp. `compare`: '' or a depth func."""
+    """`min_filter` as in engine.assets.material.FILTERS; wraps: repeat | mirror | clamp. `compare`: '' or a depth
+    function as in DepthState."""
 
     wrap_u: str = "repeat"
     wrap_v: str = "repeat"
@@ -114,8 +114,8 @@ class Sampler(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class VertexAttribute:
-    """`location` in the shader; `stream`: which vertex buffer (attributes that share one are interleaved, tightly, in the
-    order given); `format`: f4x3, snorm16x4, unorm16x4, u2x4, u4x1 …;
+    """`location` in the shader; `stream`: which vertex buffer (attributes that share one are interleaved, tightly, in
+    the order given); `format`: f4x3, snorm16x4, unorm16x4, u2x4, u4x1 …;
     `per_instance`: advances once per instance (from base_instance)."""
 
     location: int

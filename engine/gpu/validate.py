@@ -224,7 +224,8 @@ def bindings(label: str, value: Bindings, caps: Caps, attached: Sequence[Texture
             raise UsageError(f"pass {label!r}: texture unit {unit} has no sampler")
         if any(texture is other for other in attached):
             raise UsageError(
-                f"pass {label!r}: {named('texture', texture.desc.label)} is sampled (unit {unit}) while it is drawn into"
+                f"pass {label!r}: {named('texture', texture.desc.label)} is sampled (unit {unit}) "
+                "while it is drawn into"
             )
     for unit, (texture, level, access) in value.images.items():
         choice(f"pass {label!r}: image {unit} access", access, ACCESSES)

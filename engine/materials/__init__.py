@@ -14,6 +14,6 @@
                                  |               MaterialAsset (*.material.toml)
                                  +--glsl(features) + *.vert, *.frag --> EffectLibrary.pipeline --> Pipeline
 
-A feature is a macro of the same name in upper case, always defined, 0 or 1. So are UV1 and UV_TRANSFORM (a texture reads
-the second uv set; is transformed), ROLE_<ROLE> and HAS_<STREAM> (the mesh's vertex streams).
+A feature is a macro of the same name in upper case, always defined, 0 or 1. So are UV1 and UV_TRANSFORM (a texture
+reads the second uv set; is transformed), ROLE_<ROLE> and HAS_<STREAM> (the mesh's vertex streams).
 """

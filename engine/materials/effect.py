@@ -19,19 +19,23 @@ from engine.materials.suggest import hint
 LEVELS = ("low", "medium", "high")
 
 #: blend names of effect files; None writes as it is
-BLENDS: Mapping[str, BlendState | None] = MappingProxyType({
-    "opaque": None,
-    "alpha": BlendState("src_alpha", "one_minus_src_alpha", "add", "one", "one_minus_src_alpha", "add"),
-    "premultiplied": BlendState("one", "one_minus_src_alpha", "add", "one", "one_minus_src_alpha", "add"),
-    "additive": BlendState("one", "one", "add", "one", "one", "add"),
-    "multiply": BlendState("dst_color", "zero", "add", "zero", "one", "add"),
-})
+BLENDS: Mapping[str, BlendState | None] = MappingProxyType(
+    {
+        "opaque": None,
+        "alpha": BlendState("src_alpha", "one_minus_src_alpha", "add", "one", "one_minus_src_alpha", "add"),
+        "premultiplied": BlendState("one", "one_minus_src_alpha", "add", "one", "one_minus_src_alpha", "add"),
+        "additive": BlendState("one", "one", "add", "one", "one", "add"),
+        "multiply": BlendState("dst_color", "zero", "add", "zero", "one", "add"),
+    }
+)
 
 #: features that every effect has, since the generated sample_<slot>() functions depend on them
-BUILTIN_FEATURES: Mapping[str, str] = MappingProxyType({
-    "uv1": "a texture reads the second uv set",
-    "uv_transform": "a texture's uv are scaled, turned or moved",
-})
+BUILTIN_FEATURES: Mapping[str, str] = MappingProxyType(
+    {
+        "uv1": "a texture reads the second uv set",
+        "uv_transform": "a texture's uv are scaled, turned or moved",
+    }
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +71,7 @@ class Technique:
     fragment: str = ""
     level: str = "low"
     depth: DepthState = field(default_factory=DepthState)
-    raster: RasterState = RasterState()
+    raster: RasterState = field(default_factory=RasterState)
     blend: str = "opaque"
     features: frozenset[str] | None = None
 

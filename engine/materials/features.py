@@ -36,7 +36,7 @@ def resolve_features(effect: Effect, material: MaterialAsset, mesh_layout: Seque
     the mesh lacks is dropped. Raises InputError with did-you-mean for features and textures that the effect has not.
     """
     _check_names(effect, material)
-    wanted = {name: "the material asks for it" for name in material.features}
+    wanted = dict.fromkeys(material.features, "the material asks for it")
     for name, feature in effect.features.items():
         if feature.implied_by in material.textures:
             wanted.setdefault(name, f"the material has the texture {feature.implied_by!r}")

@@ -1,9 +1,9 @@
 """Generated GLSL of an effect: nobody types a binding, an offset or a padding.
 
-    struct MaterialParams { … };                                                 one field per param, four per slot
-    layout(std430, binding = 2) readonly buffer MaterialBlock { MaterialParams materials[]; };
-    layout(binding = <unit>) uniform sampler2DArray t_<slot>;                    units in declaration order, from 0
-    vec4 sample_<slot>(MaterialParams m, vec2 uv0, vec2 uv1);
+struct MaterialParams { … };                                                 one field per param, four per slot
+layout(std430, binding = 2) readonly buffer MaterialBlock { MaterialParams materials[]; };
+layout(binding = <unit>) uniform sampler2DArray t_<slot>;                    units in declaration order, from 0
+vec4 sample_<slot>(MaterialParams m, vec2 uv0, vec2 uv1);
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ def generate(effect: Effect, features: frozenset[str]) -> str:
     """The text of a variant; `uv1` and `uv_transform` in `features` decide what sample_<slot>() does."""
     parts = [
         effect.row_layout.struct_glsl("MaterialParams").rstrip(),
-        f"layout(std430, binding = {MATERIAL_BINDING}) readonly buffer MaterialBlock {{ MaterialParams materials[]; }};",
+        effect.row_layout.buffer_glsl("MaterialBlock", MATERIAL_BINDING, "MaterialParams", "materials").rstrip(),
     ]
     parts += [f"layout(binding = {slot.unit}) uniform sampler2DArray t_{slot.name};" for slot in effect.textures]
     parts += [_sampler(slot.name, features) for slot in effect.textures]

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
+from typing import Unpack
 
 from engine.core.errors import InputError, LucarnaError, ShaderError
-from engine.gpu.types import BlendState, Device, Pipeline, VertexAttribute
+from engine.gpu.types import Device, Pipeline, VertexAttribute
 from engine.materials.effect import Effect, load_effect
 from engine.materials.features import FeatureSet
 from engine.materials.merge import SUFFIX, candidates
@@ -14,11 +16,13 @@ from engine.materials.suggest import hint
 from engine.materials.variant import (
     MAGENTA,
     Compiled,
+    StateOptions,
     Variant,
     VariantRequest,
     absent_features,
     compile_nowhere,
     compile_variant,
+    let_go,
     shader_file,
 )
 
@@ -48,7 +52,7 @@ class EffectLibrary:
         return sorted(candidates(self.search))
 
     def get(self, name: str) -> Effect:
-        """The effect, loaded once. Raises InputError with did-you-mean for an unknown one, ShaderError for a bad one."""
+        """The effect, loaded once. Raises InputError (did you mean) for an unknown one, ShaderError for a bad one."""
         effect = self._effects.get(name)
         if effect is None:
             effect = self._effects[name] = self._load(name)
@@ -66,25 +70,18 @@ class EffectLibrary:
 
     def pipeline(
         self, device: Device, effect: Effect | str, role: str, features: frozenset[str] = frozenset(),
-        attributes: tuple[VertexAttribute, ...] = (), *, topology: str = "triangles", cull: str | None = None,
-        front_ccw: bool = True, targets: int = 1, blend: BlendState | str | None = None,
-        depth_write: bool | None = None, depth_compare: str | None = None, fill: str | None = None,
-        defines: Mapping[str, str | int] | None = None, prelude: str = "",
+        attributes: tuple[VertexAttribute, ...] = (), *, defines: Mapping[str, str | int] | None = None,
+        prelude: str = "", **state: Unpack[StateOptions],
     ) -> Pipeline:  # fmt: skip
         """The pipeline of a variant, compiled once; one dict look-up when it is there.
 
-        None takes what the technique says. `blend`: a BlendState or a blend name of effect files; `targets`: how many
-        colour attachments (0: depth only). `defines` go over the generated ones. `prelude` (GLSL, after the library's)
-        stands before the effect's generated text in both stages.
+        `state`: what is left out is as the technique says (see StateOptions). `defines` go over the generated ones.
+        `prelude` (GLSL, after the library's) stands before the effect's generated text in both stages.
         Raises ShaderError when it does not compile, InputError for a role or feature that the effect has not.
         """
-        variant = self._variant(
-            device, effect,
-            VariantRequest(
-                effect if isinstance(effect, str) else effect.name, role, features, attributes, topology, cull,
-                front_ccw, targets, blend, depth_write, depth_compare, fill, _items(defines), prelude,
-            ),
-        )  # fmt: skip
+        name = effect if isinstance(effect, str) else effect.name
+        request = VariantRequest(name, role, features, attributes, defines=_items(defines), prelude=prelude, **state)
+        variant = self._variant(device, effect, request)
         if variant.pipeline is None:
             assert variant.error is not None
             raise variant.error
@@ -92,22 +89,16 @@ class EffectLibrary:
 
     def pipeline_or_magenta(
         self, device: Device, effect: Effect | str, role: str, features: frozenset[str] = frozenset(),
-        attributes: tuple[VertexAttribute, ...] = (), *, topology: str = "triangles", cull: str | None = None,
-        front_ccw: bool = True, targets: int = 1, blend: BlendState | str | None = None,
-        depth_write: bool | None = None, depth_compare: str | None = None, fill: str | None = None,
-        defines: Mapping[str, str | int] | None = None, prelude: str = "",
+        attributes: tuple[VertexAttribute, ...] = (), *, defines: Mapping[str, str | int] | None = None,
+        prelude: str = "", **state: Unpack[StateOptions],
     ) -> tuple[Pipeline, ShaderError | None]:  # fmt: skip
         """As `pipeline`, but what does not compile is drawn in magenta (nothing, if its vertex shader is bad too).
 
         The error is that of the newest source, also where the last good pipeline is still drawn.
         """
-        variant = self._variant(
-            device, effect,
-            VariantRequest(
-                effect if isinstance(effect, str) else effect.name, role, features, attributes, topology, cull,
-                front_ccw, targets, blend, depth_write, depth_compare, fill, _items(defines), prelude,
-            ),
-        )  # fmt: skip
+        name = effect if isinstance(effect, str) else effect.name
+        request = VariantRequest(name, role, features, attributes, defines=_items(defines), prelude=prelude, **state)
+        variant = self._variant(device, effect, request)
         if variant.pipeline is not None:
             return variant.pipeline, variant.error
         if variant.fallback is None:
@@ -164,17 +155,20 @@ class EffectLibrary:
             return compile_nowhere(variant.device, variant.request)
 
     def _with_prelude(self, request: VariantRequest) -> VariantRequest:
-        from dataclasses import replace
-
         return replace(request, prelude=self.prelude + request.prelude) if self.prelude else request
 
     def _adopt(self, variant: Variant, outcome: Compiled | ShaderError) -> None:
         if isinstance(outcome, ShaderError):
             variant.error = outcome
             return
+        let_go(variant)
         variant.pipeline, variant.files, variant.source_hash = outcome.pipeline, outcome.files, outcome.source_hash
-        variant.error = None
-        variant.fallback = None
+
+    def release(self) -> None:
+        """Let all pipelines go."""
+        for variant in self._variants.values():
+            let_go(variant)
+        self._variants.clear()
 
     # --- hot reload ---
 
@@ -227,20 +221,22 @@ class EffectLibrary:
                 continue
             outcomes.append((variant, self._compile(variant.device, effect, variant.request)))
         bad = [(variant, out) for variant, out in outcomes if isinstance(out, ShaderError)]
-        for variant, error in bad:
-            variant.error = error
         worse = [error for variant, error in bad if variant.pipeline is not None]
+        if bad:
+            self.errors[name] = (worse or [bad[0][1]])[0]
+        else:
+            self.errors.pop(name, None)
+        for variant, outcome in outcomes:
+            if not worse or isinstance(outcome, ShaderError):
+                self._adopt(variant, outcome)
+            else:
+                outcome.pipeline.release()
         if worse:
-            self.errors[name] = worse[0]
             return False
         self._effects[name] = effect
-        self.errors.pop(name, None)
-        for variant, outcome in outcomes:
-            self._adopt(variant, outcome)
-        if gone:
-            self._variants = {key: v for key, v in self._variants.items() if v not in gone}
-        if bad:
-            self.errors[name] = bad[0][1]
+        for variant in gone:
+            let_go(variant)
+        self._variants = {key: variant for key, variant in self._variants.items() if variant not in gone}
         return True
 
     def _watch(self, files: Iterable[Path]) -> None:

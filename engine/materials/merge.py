@@ -61,7 +61,7 @@ def candidates(search: Sequence[Path]) -> dict[str, Path]:
 
 
 def load_merged(path: Path, search: Sequence[Path]) -> Merged:
-    """Read `path` and what it extends. Raises InputError, or ShaderError when `extends` leads nowhere or in a circle."""
+    """Read `path` and what it extends. Raises InputError; ShaderError when `extends` leads nowhere or in a circle."""
     files, sources = [path], [load_toml(path)]
     while isinstance(base := sources[-1].data.get("extends"), str):
         known = candidates([files[-1].parent, *search])
@@ -93,10 +93,8 @@ def _merge(base: dict[str, Any], over: dict[str, Any]) -> dict[str, Any]:
 
 def _has(data: Any, keypath: KeyPath) -> bool:
     for part in keypath:
-        if isinstance(data, dict) and part in data:
-            data = data[part]
-        elif isinstance(data, list) and isinstance(part, int) and part < len(data):
-            data = data[part]
-        else:
+        is_index = isinstance(data, list) and isinstance(part, int) and part < len(data)
+        if not is_index and not (isinstance(data, dict) and part in data):
             return False
+        data = data[part]
     return True

@@ -20,9 +20,14 @@ Compare = Literal["never", "less", "equal", "lequal", "greater", "notequal", "ge
 
 #: names become GLSL identifiers: these would not
 RESERVED = frozenset(
-    "if else for while do return break continue discard struct const in out inout uniform buffer shared float int uint"
-    " bool double void true false sampler texture sample flat smooth centroid patch layout precise invariant switch case"
-    " default low_p medium_p high_p input output main materials".split()
+    re.findall(
+        r"\w+",
+        """
+        if else for while do switch case default return break continue discard struct const in out inout uniform buffer
+        shared float int uint bool double void true false sampler texture sample flat smooth centroid patch layout
+        precise invariant lowp mediump highp precision input output common partition active filter half fixed goto
+        """,
+    )
 )
 _NAME = re.compile(r"[a-z](?:_?[a-z0-9])*")
 
@@ -146,7 +151,11 @@ def _known(path: KeyPath) -> list[str]:
     """The keys that the table at `path` may have."""
     at: Any = EffectModel
     for part in path:
-        at = at.model_fields[part].annotation if isinstance(at, type) and issubclass(at, BaseModel) else get_args(at)[1]
+        at = (
+            at.model_fields[str(part)].annotation
+            if isinstance(at, type) and issubclass(at, BaseModel)
+            else get_args(at)[1]
+        )
     return list(at.model_fields)
 
 

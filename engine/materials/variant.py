@@ -6,8 +6,9 @@ import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import TypedDict
 
-from engine.core.errors import ShaderError
+from engine.core.errors import ShaderError, UsageError
 from engine.gpu.preprocess import flatten
 from engine.gpu.types import (
     BlendState,
@@ -18,6 +19,7 @@ from engine.gpu.types import (
     VertexAttribute,
 )
 from engine.materials.effect import BLENDS, BUILTIN_FEATURES, Effect
+from engine.materials.suggest import hint
 
 #: shown where a fragment shader does not compile
 MAGENTA = "effects/magenta.frag"
@@ -26,9 +28,25 @@ MAGENTA = "effects/magenta.frag"
 _NOWHERE = ShaderSource("vertex", "void main()\n{\n    gl_Position = vec4(2.0, 2.0, 2.0, 1.0);\n}\n")
 
 
+class StateOptions(TypedDict, total=False):
+    """State given with a request. None, or left out: as the technique says.
+
+    `blend`: a BlendState or a blend name of effect files; `targets`: how many colour attachments (0: depth only).
+    """
+
+    topology: str
+    cull: str | None
+    front_ccw: bool
+    targets: int
+    blend: BlendState | str | None
+    depth_write: bool | None
+    depth_compare: str | None
+    fill: str | None
+
+
 @dataclass(frozen=True, slots=True)
 class VariantRequest:
-    """What makes a variant what it is. None takes what the technique says."""
+    """What makes a variant what it is; the state as in StateOptions."""
 
     effect: str
     role: str
@@ -67,6 +85,14 @@ class Variant:
     @property
     def label(self) -> str:
         return f"{self.request.effect} {self.request.role}"
+
+
+def let_go(variant: Variant) -> None:
+    """Release the variant's pipelines and forget its error."""
+    for pipeline in (variant.pipeline, variant.fallback):
+        if pipeline is not None:
+            pipeline.release()
+    variant.pipeline = variant.fallback = variant.error = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,7 +141,7 @@ def describe(
         return flatten(shader_file(file, search), kind, search=search, prelude=prelude, defines=defines)
 
     fragment = stage("fragment", MAGENTA if magenta else technique.fragment) if technique.fragment else None
-    blend = BLENDS[request.blend or technique.blend] if not isinstance(request.blend, BlendState) else request.blend
+    blend = request.blend if isinstance(request.blend, BlendState) else _blend(request.blend or technique.blend)
     return RenderPipelineDesc(
         label=f"{effect.name} {request.role} {'+'.join(sorted(features))}".rstrip(),
         vertex=stage("vertex", technique.vertex),
@@ -135,6 +161,12 @@ def describe(
             front_ccw=request.front_ccw,
         ),
     )
+
+
+def _blend(name: str) -> BlendState | None:
+    if name not in BLENDS:
+        raise UsageError(f"unknown blend {name!r}", hint=hint(name, BLENDS))
+    return BLENDS[name]
 
 
 def absent_features(effect: Effect, role: str, wanted: frozenset[str], dropped: Mapping[str, str]) -> dict[str, str]:

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from engine.gpu.types import Buffer, Device
 from engine.materials.effect import Effect
-from engine.materials.table import resolve_features
+from engine.materials.features import resolve_features
 from engine.resources.arena import MeshArena
 from engine.resources.residency import Residency
 from engine.scene.scene import Scene

@@ -159,7 +159,7 @@ def _write(runtime: Runtime, view: Any, out: Path) -> Frame:
 def _explain(runtime: Runtime, frame: Frame) -> None:
     from engine.framegraph.explain import explain
 
-    for line in explain(frame.graph, runtime.residency.effects):
+    for line in explain(frame.graph, runtime.residency.effects.variants()):
         print(line)
     for macro, value in frame.graph.facts.variant_defines().items():
         if not value:

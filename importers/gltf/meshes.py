@@ -59,6 +59,19 @@ class MeshReader:
         self._doc = doc
         self._accessors = accessors
         self._normal_uv = normal_uv
+        self._collapsed: list[tuple[str, int]] = []
+        self._thin: list[tuple[str, int]] = []
+
+    def report_zero_area(self) -> None:
+        """One finding each for triangles that name a vertex twice and for thin ones: big files have thousands."""
+        for found, what in (
+            (self._collapsed, "name a vertex twice; left out"),
+            (self._thin, "have no area; kept"),
+        ):
+            if found:
+                total = sum(count for _, count in found)
+                places = f", in {len(found)} primitives" if len(found) > 1 else ""
+                self._doc.findings.info("gltf.zero-area", f"{total:,} triangles {what}{places}", found[0][0])
 
     def build(self, index: int, skin: Skin | None) -> tuple[MeshAsset, list[Slot]] | None:
         """Mesh `index`, bound to `skin`, and its material slots; None where nothing of it can be drawn."""
@@ -210,14 +223,10 @@ class MeshReader:
         kept = triangles[~collapsed]
         # In strips they are how runs are joined
         if mode == 4 and collapsed.any():
-            self._doc.findings.info(
-                "gltf.zero-area", f"{int(collapsed.sum()):,} triangles name a vertex twice; left out", where
-            )
+            self._collapsed.append((where, int(collapsed.sum())))
         thin = zero_area(vertices.position, kept)
         if thin.any():
-            self._doc.findings.info(
-                "gltf.zero-area", f"{int(thin.sum()):,} of {len(kept):,} triangles have no area; kept", where
-            )
+            self._thin.append((where, int(thin.sum())))
         return kept
 
     def _morphs(self, targets: list[JsonObject], count: int, where: str) -> Morphs:
@@ -272,8 +281,8 @@ class MeshReader:
 
     def _streams(self, parts: list[VertexData], skin: Skin | None, where: str) -> dict[str, NDArray[np.generic]]:
         """All vertices in the layout of STREAMS; what one part lacks and another has gets a neutral value."""
-        columns: dict[str, list[NDArray[Any]]] = {}
-        for k, part in enumerate(parts):
+        columns: list[dict[str, NDArray[Any]]] = []
+        for part in parts:
             assert part.normal is not None
             own: dict[str, NDArray[Any]] = {
                 "position": part.position.astype("<f4"),
@@ -287,9 +296,14 @@ class MeshReader:
                 own["color"] = unorm16(part.color)
             if skin is not None and part.joints is not None and part.weights is not None:
                 own |= self._influences(part.joints, part.weights, skin, where)
-            for stream, values in own.items():
-                columns.setdefault(stream, [_neutral(stream, len(p.position)) for p in parts])[k] = values
-        return {stream: np.concatenate(columns[stream]) for stream in STREAMS if stream in columns}
+            columns.append(own)
+        present = [stream for stream in STREAMS if any(stream in own for own in columns)]
+        return {
+            stream: np.concatenate(
+                [own[stream] if stream in own else _neutral(stream, len(own["position"])) for own in columns]
+            )
+            for stream in present
+        }
 
     def _influences(
         self, joints: NDArray[np.int64], weights: NDArray[np.float64], skin: Skin, where: str

@@ -152,6 +152,7 @@ class _Builder:
         for mesh in range(len(doc.objects("meshes"))):
             if mesh not in used:
                 self._mesh(mesh, -1, hierarchy)
+        self._reader.report_zero_area()
         if not model.meshes:
             doc.findings.warn("gltf.no-meshes", "the file has no mesh that can be drawn", hint="the scene will be empty")
         for number in range(len(doc.objects("animations"))):

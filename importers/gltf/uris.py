@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import binascii
+import difflib
 import os
 import re
 import stat
@@ -77,12 +78,11 @@ def read_regular_file(path: Path, max_bytes: int) -> bytes:
 
 def similar_name_hint(path: Path) -> str:
     """What to do about a missing file: name the file beside it that is spelt alike, if there is one."""
-    import difflib
-
     try:
         names = sorted(os.listdir(path.parent))
     except OSError:
         return "check that the path is right"
+    names = [n for n in names if Path(n).suffix.lower() == path.suffix.lower()]
     near = difflib.get_close_matches(path.name.lower(), [n.lower() for n in names], 1, 0.6)
     if not near:
         return "put the file there, or export the source again"

@@ -265,7 +265,20 @@ def test_textures_of_a_pass(device: Device) -> None:
 
 
 def test_dump_is_the_golden_text(device: Device) -> None:
-    graph = frame().compile(device, frozenset({"ao"}), SIZE)
+    lut = device.texture(TextureDesc("rgba16f", 16, 16, "3d", depth=16))
+    graph = FrameGraph(
+        [
+            make("forward", forward),
+            make("bloom", lambda b: (b.read("hdr"), b.create("bloom", "rgba16f", scale=0.5, mips=0))),
+            make("composite", lambda b: (b.read("bloom"), b.read("ao", optional=True), b.write("hdr"))),
+            make("resolve", lambda b: (b.read("hdr"), b.create("taa", "rgba16f"), b.history("taa"))),
+            make("blur", lambda b: (b.read("taa"), b.create("blurred", "rgba16f"))),
+            make("water", lambda b: b.side_effect(), lambda facts: "there is no water"),
+            make("grade", lambda b: (b.read("blurred"), b.import_texture("lut", lut), b.create("color", "rgba8"))),
+            make("unused", lambda b: (b.read("taa"), b.create("probe", "r32f", size=(1, 1)))),
+            make("output", lambda b: (b.read("color"), b.present("color"), b.side_effect())),
+        ]
+    ).compile(device, None, SIZE)
     golden = Path(__file__).parent / "data" / "frame.txt"
     assert graph.dump() == golden.read_text(encoding="utf-8")
 

@@ -50,7 +50,9 @@ class Stage:
         camera = camera or frame_bounds(*self.runtime.scene.bounds(), size[0] / size[1], azimuth=0.0, elevation=0.0)
         return View(camera, *size, RenderSettings(**{"samples": 1, **settings}))
 
-    def hdr(self, size: tuple[int, int] = (64, 64), camera: Camera | None = None, **settings: Any) -> NDArray[np.float32]:
+    def hdr(
+        self, size: tuple[int, int] = (64, 64), camera: Camera | None = None, **settings: Any
+    ) -> NDArray[np.float32]:
         return render_hdr(self.runtime, self.view(size, camera, **settings))[0]
 
     def ldr(self, size: tuple[int, int] = (64, 64), camera: Camera | None = None, **settings: Any) -> NDArray[np.uint8]:

@@ -1,4 +1,4 @@
-"""What a frame does: nothing for an empty scene, the same picture with everything forced, few calls for many objects."""
+"""What a frame does: nothing for an empty scene, the same with everything forced, few calls for many objects."""
 
 from __future__ import annotations
 

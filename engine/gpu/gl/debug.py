@@ -32,7 +32,8 @@ class DebugOutput:
         def receive(
             source: int, kind: int, number: int, severity: int, length: int, message: bytes, user: object
         ) -> None:
-            if kind == e.DEBUG_TYPE_ERROR and len(messages) < KEPT:
+            # shader logs are raised as ShaderError, with their place
+            if kind == e.DEBUG_TYPE_ERROR and source != e.DEBUG_SOURCE_SHADER_COMPILER and len(messages) < KEPT:
                 messages.append(message[:length].decode(errors="replace").strip())
 
         self._callback = _CALLBACK(receive)

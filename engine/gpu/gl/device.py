@@ -163,7 +163,8 @@ class GlDevice:
     # --- copies ----------------------------------------------------------------------------------------------------
 
     def copy_texture(self, source: Texture, target: Texture, layers: int) -> None:
-        assert isinstance(source, GlTexture) and isinstance(target, GlTexture)
+        assert isinstance(source, GlTexture)
+        assert isinstance(target, GlTexture)
         self.ensure_current()
         source.copy_to(target, layers)
 
@@ -206,9 +207,11 @@ class GlDevice:
         self._in_frame = True
 
     def end_frame(self) -> None:
-        if self._pass is not None:
-            raise UsageError(f"end_frame before pass {self._pass.label!r} has ended")
         self.make_current()
+        if self._pass is not None:
+            left_open = self._pass.label
+            self._pass.end()
+            raise UsageError(f"end_frame before pass {left_open!r} has ended")
         self.objects.drain()
         if self.debug:
             self._errors.check("the frame")

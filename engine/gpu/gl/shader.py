@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import ctypes
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
 
 from engine.gpu.compile_log import compile_error, link_error
 from engine.gpu.gl import enums as e
@@ -81,8 +82,7 @@ def _compile(device: GlDevice, label: str, source: ShaderSource) -> int:
     return shader
 
 
-def _log(get: object, get_log: object, name: int) -> str:
-    assert callable(get) and callable(get_log)
+def _log(get: Callable[..., Any], get_log: Callable[..., Any], name: int) -> str:
     length = ctypes.c_int()
     get(name, e.INFO_LOG_LENGTH, ctypes.byref(length))
     text = ctypes.create_string_buffer(max(1, length.value))

@@ -124,7 +124,8 @@ class NullDevice:
 
     def end_frame(self) -> None:
         if self._open_pass is not None:
-            raise UsageError(f"end_frame before pass {self._open_pass!r} has ended")
+            left_open, self._open_pass = self._open_pass, None
+            raise UsageError(f"end_frame before pass {left_open!r} has ended")
         self.calls.add("end_frame")
 
     def live_objects(self) -> dict[str, int]:

@@ -1,0 +1,197 @@
+"""The window: hello_imgui's runner around a session. Owns the frame loop; knows no scene and no GL."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from imgui_bundle import hello_imgui, imgui
+
+from editor import file_drop, keys, layout, menus, theme
+from editor.dialogs import Dialogs
+from editor.dialogs.modals import draw_error_bar
+from editor.operations import Operations
+from editor.panels.base import Panel
+from editor.panels.registry import make_panels
+from editor.panels.viewport import ViewportPanel
+from editor.preferences import layout_path
+from editor.session import Session
+from editor.ui import Ui
+from engine.core.errors import LucarnaError
+
+#: frames a second while nobody does anything: enough for a cursor to blink
+IDLE_FPS = 4.0
+#: how long a screenshot waits for a file that is still being opened, seconds
+SCREENSHOT_PATIENCE = 120.0
+
+
+class App:
+    """`frames`: quit after so many frames once the scene is there (for screenshots); 0 runs until the user quits."""
+
+    def __init__(
+        self,
+        session: Session,
+        operations: Operations,
+        *,
+        size: tuple[int, int] = (1440, 900),
+        frames: int = 0,
+        remember_layout: bool = True,
+        null_platform: bool = False,
+    ) -> None:
+        self.ui = Ui(session, operations)
+        self.panels = make_panels()
+        self.dialogs = Dialogs()
+        self.frames = frames
+        self.null_platform = null_platform
+        self.failure: LucarnaError | None = None
+        self._drop: Any = None
+        self._start = time.monotonic()
+        self._settled = 0
+        self.params = self._make_params(size, remember_layout)
+
+    def run(self) -> None:
+        """Show the window until it is closed. Raises DeviceError when there is no usable graphics device."""
+        hello_imgui.run(self.params)
+        if self.failure is not None:
+            raise self.failure
+
+    def panel(self, kind: type[Panel]) -> Any:
+        return next(p for p in self.panels if isinstance(p, kind))
+
+    # --- set-up ---
+
+    def _make_params(self, size: tuple[int, int], remember_layout: bool) -> hello_imgui.RunnerParams:
+        p = hello_imgui.RunnerParams()
+        p.app_window_params.window_title = "Lucarna"
+        p.app_window_params.window_geometry.size = size
+        p.app_window_params.restore_previous_geometry = remember_layout
+        gl = p.renderer_backend_options.open_gl_options
+        gl.major_version, gl.minor_version, gl.glsl_version, gl.use_core_profile = 4, 5, "450", True
+        gl.anti_aliasing_samples = 0  # imgui smooths its own edges; multisampling only slows the software rasteriser
+        w = p.imgui_window_params
+        w.default_imgui_window_type = hello_imgui.DefaultImGuiWindowType.provide_full_screen_dock_space
+        w.show_menu_bar, w.show_menu_app, w.show_menu_view = True, False, False
+        w.show_status_bar, w.show_status_fps, w.remember_status_bar_settings = True, False, False
+        w.remember_theme = False
+        p.docking_params = layout.docking_params(self.panels, self._panel_function)
+        p.ini_disable = not remember_layout
+        if remember_layout:
+            layout_path().parent.mkdir(parents=True, exist_ok=True)
+            p.ini_folder_type = hello_imgui.IniFolderType.absolute_path
+            p.ini_filename = str(layout_path())
+        p.fps_idling.fps_idle = IDLE_FPS
+        p.fps_idling.time_active_after_last_event = 0.5
+        p.fps_idling.remember_enable_idling = False
+        p.fps_idling.enable_idling = self.frames == 0
+        c = p.callbacks
+        c.load_additional_fonts = self._load_fonts
+        c.setup_imgui_style = lambda: theme.apply(self.ui.session.preferences.ui_scale)
+        c.setup_imgui_config = self._configure
+        c.post_init = self._post_init
+        c.show_menus = lambda: menus.draw_menu_bar(self.ui)
+        c.show_status = lambda: menus.draw_status_bar(self.ui)
+        c.post_new_frame = self._begin_frame
+        c.post_render_dockable_windows = self._end_frame
+        c.before_exit = self._before_exit
+        c.confirm_exit = self.ui.session.request_quit
+        if self.null_platform:
+            p.platform_backend_type = hello_imgui.PlatformBackendType.null
+            p.renderer_backend_type = hello_imgui.RendererBackendType.null
+        self._guard(c)
+        return p
+
+    def _guard(self, callbacks: hello_imgui.RunnerCallbacks) -> None:
+        """An exception must not unwind through the C++ frame loop: keep it, close the window, raise it after."""
+        for name in ("post_init", "post_new_frame", "post_render_dockable_windows", "show_menus", "show_status"):
+            setattr(callbacks, name, self._guarded(getattr(callbacks, name)))
+
+    def _guarded(self, function: Callable[[], None]) -> Callable[[], None]:
+        def call() -> None:
+            try:
+                function()
+            except LucarnaError as error:
+                self.failure = self.failure or error
+                self.params.app_shall_exit = True
+
+        return call
+
+    def _load_fonts(self) -> None:
+        self.ui.fonts = theme.load_fonts()
+
+    def _configure(self) -> None:
+        hello_imgui.imgui_default_settings.setup_default_imgui_config()
+        io = imgui.get_io()
+        io.config_flags &= ~imgui.ConfigFlags_.nav_enable_gamepad
+        io.config_drag_click_to_input_text = True
+        io.config_input_text_enter_keep_active = False
+
+    def _post_init(self) -> None:
+        session = self.ui.session
+        if self.null_platform:
+            io = imgui.get_io()
+            io.backend_flags |= imgui.BackendFlags_.renderer_has_textures
+        else:
+            self._drop = file_drop.install(hello_imgui.get_glfw_window_address(), self._dropped)
+        if session.device is None:
+            session.device = session.host.open_device(attach=not self.null_platform)
+
+    def _dropped(self, paths: list[Path]) -> None:
+        if paths:
+            self.ui.session.open(paths[0])
+        for path in paths[1:]:
+            self.ui.session.messages.info("Only the first of the dropped files was opened", where=str(path))
+
+    # --- the frame ---
+
+    def _begin_frame(self) -> None:
+        session = self.ui.session
+        io = imgui.get_io()
+        self.ui.pixel_scale = max(float(io.display_framebuffer_scale.x), 1e-3)
+        session.poll()
+        session.tick(min(float(io.delta_time), 0.25))
+        keys.run_shortcuts(self.ui, flying=self.panel(ViewportPanel).flying)
+        self._requests()
+        if not self.null_platform and (session.playback.playing or session.job is not None):
+            hello_imgui.request_refresh()
+
+    def _panel_function(self, panel: Panel) -> Callable[[], None]:
+        return self._guarded(lambda: panel.draw(self.ui))
+
+    def _end_frame(self) -> None:
+        session = self.ui.session
+        draw_error_bar(self.ui, imgui.get_frame_height() * 2.6)
+        self.dialogs.draw(self.ui)
+        if not imgui.is_any_item_active() and not imgui.is_mouse_down(imgui.MouseButton_.left):
+            session.end_gesture()
+        self.ui.drawn += 1
+        if self.frames:
+            self._count_frames()
+
+    def _requests(self) -> None:
+        requests = self.ui.session.ui
+        if requests.quit:
+            self.params.app_shall_exit = True
+        if requests.reset_layout:
+            requests.reset_layout = False
+            for window in self.params.docking_params.dockable_windows:
+                window.is_visible = True
+            self.params.docking_params.layout_reset = True
+        if requests.scale_changed:
+            requests.scale_changed = False
+            theme.apply(self.ui.session.preferences.ui_scale)
+
+    def _count_frames(self) -> None:
+        """Leave after `frames` frames that show what was asked for."""
+        waiting = self.ui.session.job is not None and time.monotonic() - self._start < SCREENSHOT_PATIENCE
+        self._settled = 0 if waiting else self._settled + 1
+        if self._settled >= self.frames:
+            self.params.app_shall_exit = True
+
+    def _before_exit(self) -> None:
+        session = self.ui.session
+        if session.job is not None:
+            session.job.cancel()
+        session.close()
+        session.remember()

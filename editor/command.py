@@ -1,0 +1,70 @@
+"""`lucarna edit [PROJECT|FILE]`: open the editor."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from pathlib import Path
+
+from engine.core.errors import DeviceError, InputError, UsageError
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("path", nargs="?", type=Path, help="a project, a folder, a scene or a model")
+    parser.add_argument("--screenshot", type=Path, metavar="PNG", help="write a picture of the whole window and exit")
+    parser.add_argument("--frames", type=int, default=12, metavar="N", help="frames to draw before it (default 12)")
+    parser.add_argument("--size", default="1440x900", metavar="WxH", help="size of the window (default 1440x900)")
+    parser.add_argument("--select", default="", metavar="NAME", help="select the node of this name once it is open")
+
+
+def parse_size(text: str) -> tuple[int, int]:
+    """`1280x720` -> (1280, 720). Raises UsageError."""
+    width, _, height = text.lower().partition("x")
+    if not (width.isdigit() and height.isdigit() and 320 <= int(width) <= 16384 and 200 <= int(height) <= 16384):
+        raise UsageError(f"--size {text!r} is not a size", hint="give width x height in pixels, such as 1280x720")
+    return int(width), int(height)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Returns 0 when the window was closed in good order. Raises UsageError, InputError, DeviceError, OutputError."""
+    size = parse_size(args.size)
+    if args.frames < 1:
+        raise UsageError(f"--frames {args.frames} is not a count", hint="give 1 or more")
+    if args.path is not None and not args.path.exists():
+        raise InputError("there is no such file or folder", where=args.path)
+    if sys.platform.startswith("linux") and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+        raise DeviceError(
+            "there is no display to open a window on",
+            hint="set DISPLAY, or run under xvfb-run; `lucarna render` needs none",
+        )
+    from editor import preferences
+    from editor.app import App
+    from editor.builtin_operations import builtin_operations
+    from editor.host import EngineHost
+    from editor.session import Session
+
+    picture = args.screenshot is not None
+    session = Session(EngineHost(), preferences.Preferences() if picture else preferences.load())
+    session.save_preferences = not picture
+    session.select_on_open = args.select
+    app = App(
+        session, builtin_operations(), size=size, frames=args.frames if picture else 0, remember_layout=not picture
+    )
+    if args.path is not None:
+        session.open(args.path)
+    elif not picture and not session.preferences.welcome_seen:
+        session.ui.welcome = True
+    app.run()
+    if picture:
+        return _write_picture(args.screenshot, session.failed)
+    return 0
+
+
+def _write_picture(path: Path, failed: bool) -> int:
+    from imgui_bundle import hello_imgui
+
+    from editor.screenshot import save_window
+
+    save_window(path, hello_imgui.final_app_window_screenshot())
+    return 1 if failed else 0

@@ -1,0 +1,107 @@
+"""The menu bar and the status bar, both made from the operations."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from imgui_bundle import hello_imgui, imgui
+
+from editor import icons, theme
+from editor.navigation import hints
+from editor.operations import Operation
+from editor.ui import Ui
+from editor.widgets import em, text, tooltip
+
+MENUS = ("File", "Edit", "View", "Playback", "Help")
+
+
+def draw_menu_bar(ui: Ui) -> None:
+    for name in MENUS:
+        if imgui.begin_menu(name):
+            for operation in ui.operations.menu(name):
+                _item(ui, operation)
+                if operation.id == "file.open":
+                    _recent(ui)
+            if name == "View":
+                _panels()
+            imgui.end_menu()
+    _title(ui)
+
+
+def _item(ui: Ui, operation: Operation) -> None:
+    if operation.separator:
+        imgui.separator()
+    label, session = operation.label, ui.session
+    if session.document is not None and operation.id in {"edit.undo", "edit.redo"}:
+        history = session.document.history
+        what = history.undo_label if operation.id == "edit.undo" else history.redo_label
+        label = f"{label}: {what}" if what else label
+    checked = operation.checked(session) if operation.checked is not None else False
+    key = operation.shortcuts[0] if operation.shortcuts else ""
+    if imgui.menu_item(f"{label}###{operation.id}", key, checked, operation.enabled(session))[0]:
+        ui.operations.run(operation.id, session)
+    if operation.doc:
+        tooltip(operation.doc)
+
+
+def _recent(ui: Ui) -> None:
+    recent = ui.session.preferences.recent
+    if imgui.begin_menu("Open recent", bool(recent)):
+        for path in recent:
+            if imgui.menu_item_simple(f"{Path(path).name}##{path}"):
+                ui.session.open(Path(path))
+            tooltip(path)
+        imgui.end_menu()
+
+
+def _panels() -> None:
+    """Tick boxes for the panels: bring back what was closed."""
+    imgui.separator()
+    if imgui.begin_menu("Panels"):
+        for window in hello_imgui.get_runner_params().docking_params.dockable_windows:
+            if window.can_be_closed and imgui.menu_item(window.label, "", window.is_visible)[0]:
+                window.is_visible = not window.is_visible
+        imgui.end_menu()
+
+
+def _title(ui: Ui) -> None:
+    """In the middle of the bar: what is open, and whether it has unsaved changes."""
+    document = ui.session.document
+    if document is None:
+        return
+    title = f"{document.name}{'  •' if document.dirty else ''}"
+    x = imgui.get_window_width() * 0.5 - imgui.calc_text_size(title).x * 0.5
+    if x > imgui.get_cursor_pos_x() + em(1):
+        imgui.set_cursor_pos_x(x)
+        text(title, theme.TEXT if document.dirty else theme.DIM)
+        tooltip(f"{document.source}\n{'Unsaved changes' if document.dirty else 'No unsaved changes'}")
+
+
+def draw_status_bar(ui: Ui) -> None:
+    session = ui.session
+    counts = session.messages.counts()
+    shown = False
+    for severity, icon, color in (
+        ("error", icons.ERROR, theme.ERROR),
+        ("warning", icons.WARNING, theme.WARNING),
+    ):
+        count = next(n for s, n in counts.items() if s.value == severity)
+        if count:
+            text(f"{icon} {count}", color)
+            tooltip(f"{count} {severity}s in the log")
+            imgui.same_line(0, em(0.9))
+            shown = True
+    if session.job is not None:
+        text(session.job.text, theme.ACCENT)
+    elif session.document is not None:
+        what = [f"{gesture}: {action.lower()}" for gesture, action in hints(session.preferences.keymap)[:3]]
+        text("     ".join(what), theme.FAINT)
+    else:
+        text("Ready" if not shown else "", theme.FAINT)
+    if session.device is not None:
+        caps = session.device.caps
+        device = caps.device.split("(")[0].strip()
+        line = f"{device}{' (software)' if caps.software else ''}"
+        imgui.same_line(imgui.get_window_width() - imgui.calc_text_size(line).x - em(1.0))
+        text(line, theme.WARNING if caps.software else theme.FAINT)
+        tooltip(f"{caps.device}\n{caps.version}")

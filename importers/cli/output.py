@@ -1,0 +1,44 @@
+"""What the commands print alike: sizes, times, findings."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterable
+from typing import Any
+
+from engine.core.findings import Finding, Findings, Severity
+
+
+def size_text(size: int) -> str:
+    """Bytes for people: 512 B, 12.3 KB, 4.1 MB (powers of 1000)."""
+    value, unit = float(size), "B"
+    for unit in ("B", "KB", "MB", "GB"):
+        if value < 1000 or unit == "GB":
+            break
+        value /= 1000
+    return f"{value:.0f} {unit}" if unit == "B" else f"{value:.1f} {unit}"
+
+
+def print_findings(findings: Findings, *, errors_to_stderr: bool = True) -> None:
+    """Each finding on a line; errors go to stderr."""
+    for finding in findings:
+        error = finding.severity is Severity.ERROR and errors_to_stderr
+        print(f"  {finding}", file=sys.stderr if error else sys.stdout)
+    if findings.left_out:
+        print(f"  … and {findings.left_out:,} more findings")
+
+
+def count_text(findings: Iterable[Finding]) -> str:
+    """'2 errors, 1 warning, 3 notes', or 'no findings'."""
+    totals = dict.fromkeys(Severity, 0)
+    for finding in findings:
+        totals[finding.severity] += 1
+    words = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.INFO: "note"}
+    parts = [f"{totals[s]} {word}{'s' if totals[s] != 1 else ''}" for s, word in words.items() if totals[s]]
+    return ", ".join(parts) or "no findings"
+
+
+def print_json(data: Any) -> None:
+    """Machine output: one JSON value on stdout."""
+    print(json.dumps(data, indent=2, sort_keys=True, ensure_ascii=False))
