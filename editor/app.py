@@ -133,7 +133,7 @@ class App:
             io = imgui.get_io()
             io.backend_flags |= imgui.BackendFlags_.renderer_has_textures
         else:
-            self._drop = file_drop.install(hello_imgui.get_glfw_window_address(), self._dropped)
+            self._drop = file_drop.install(_glfw_window(), self._dropped)
         if session.device is None:
             session.device = session.host.open_device(attach=not self.null_platform)
 
@@ -157,7 +157,18 @@ class App:
             hello_imgui.request_refresh()
 
     def _panel_function(self, panel: Panel) -> Callable[[], None]:
-        return self._guarded(lambda: panel.draw(self.ui))
+        return self._guarded(lambda: panel.draw(self.ui) if panel.padded else self._draw_unpadded(panel))
+
+    def _draw_unpadded(self, panel: Panel) -> None:
+        flags = (
+            imgui.WindowFlags_.no_scrollbar | imgui.WindowFlags_.no_scroll_with_mouse | imgui.WindowFlags_.no_collapse
+        )
+        imgui.push_style_var(imgui.StyleVar_.window_padding, (0, 0))
+        shown = imgui.begin(panel.label, None, flags)[0]
+        imgui.pop_style_var()
+        if shown:
+            panel.draw(self.ui)
+        imgui.end()
 
     def _end_frame(self) -> None:
         session = self.ui.session
@@ -195,3 +206,9 @@ class App:
             session.job.cancel()
         session.close()
         session.remember()
+
+
+def _glfw_window() -> int:
+    """The address of the window's GLFWwindow; 0 where another platform library made it."""
+    address = getattr(hello_imgui, "get_glfw_window_address", None)  # there, but not in the type stubs
+    return int(address()) if address is not None else 0

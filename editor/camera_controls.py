@@ -159,7 +159,7 @@ def along(camera: OrbitCamera, view: str) -> OrbitCamera:
 def project(
     camera: OrbitCamera, points: NDArray[np.float64], width: float, height: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Pixels f8[n,2] (origin top-left) and depth f8[n] along the view (metres, positive in front) of `points` f8[n,3]."""
+    """Pixels f8[n,2] from the top left, and depth f8[n] along the view in metres, of `points` f8[n,3]."""
     local = (np.asarray(points, dtype=np.float64) - camera.eye()) @ camera.rotation()
     depth = -local[:, 2]
     scale = camera.ymag if camera.orthographic else np.maximum(depth, 1e-12) * math.tan(0.5 * camera.yfov)

@@ -39,8 +39,9 @@ class Runtime(Protocol):
     scene: Any
     asset: Any
     residency: Any
-    duration: float
 
+    @property
+    def duration(self) -> float: ...
     def update(self, time_s: float) -> Any: ...
     def default_camera(self, aspect: float) -> Any: ...
     def render(self, view: Any) -> Any: ...
@@ -74,10 +75,11 @@ class EngineHost:
 
     def open_runtime(self, device: Any, scene: Path) -> Runtime:
         from engine.app.runtime import Runtime as EngineRuntime
+        from importers.opening import baker_for
 
         runtime = EngineRuntime(device)
         try:
-            runtime.open(scene)
+            runtime.open(scene, baker=baker_for(scene.parent))
         except BaseException:
             runtime.close()
             raise
@@ -86,7 +88,8 @@ class EngineHost:
     def new_settings(self) -> ParamBlock:
         from engine.render.settings import RenderSettings
 
-        return RenderSettings()
+        make: Callable[..., ParamBlock] = RenderSettings  # every parameter has a default
+        return make()
 
     def view(self, camera: OrbitCamera, width: int, height: int, settings: ParamBlock) -> Any:
         from engine.render.camera import Camera
@@ -100,7 +103,9 @@ class EngineHost:
         return View(camera=eye, width=width, height=height, settings=settings)
 
     def source_extensions(self) -> Sequence[str]:
-        return (".glb", ".gltf")
+        from importers.registry import source_extensions
+
+        return source_extensions()
 
 
 def box_corners(low: NDArray[np.float64], high: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -28,12 +28,7 @@ def docking_params(panels: Sequence[Panel], draw: Callable[[Panel], Callable[[],
         assert panel.dock in DOCKS, f"{panel.title}: no dock {panel.dock}"
         window = hello_imgui.DockableWindow(panel.label, panel.dock, draw(panel), True, panel.closable)
         window.include_in_view_menu = False
-        if not panel.padded:
-            window.imgui_window_flags = (
-                imgui.WindowFlags_.no_scrollbar
-                | imgui.WindowFlags_.no_scroll_with_mouse
-                | imgui.WindowFlags_.no_collapse
-            )
+        window.call_begin_end = panel.padded
         windows.append(window)
     params.dockable_windows = windows
     params.main_dock_space_node_flags = imgui.DockNodeFlags_.none

@@ -10,7 +10,7 @@ from typing import Any
 
 from imgui_bundle import imgui
 
-from editor import icons
+from editor import icons, theme
 from editor.widgets import em, icon_button, pretty, property_row
 from engine.core.param import Param
 
@@ -73,7 +73,7 @@ def _edit_float(param: Param, value: float, degrees: bool) -> tuple[bool, float]
     unit = "°" if degrees else f" {param.unit}" if param.unit and param.unit.isascii() else ""
     format = f"%.{1 if degrees else 3}f{unit}"
     if math.isfinite(low) and math.isfinite(high):
-        changed, new = imgui.slider_float("##value", value * factor, low, high, format, imgui.SliderFlags_.always_clamp)
+        changed, new = filled_slider("##value", value * factor, low, high, format)
     else:
         speed = param.step or max(abs(value * factor) * 0.005, 0.002)
         bounded = math.isfinite(low) or math.isfinite(high)
@@ -83,6 +83,37 @@ def _edit_float(param: Param, value: float, degrees: bool) -> tuple[bool, float]
             imgui.SliderFlags_.always_clamp if bounded else 0,
         )  # fmt: skip
     return bool(changed), min(max(float(new) / factor, param.min), param.max)
+
+
+def filled_slider(label: str, value: float, low: float, high: float, format: str) -> tuple[bool, float]:
+    """A slider drawn as a bar that fills from the left, or from zero where the range holds it: its number stays
+    readable at any value. Takes the next item width."""
+    width, height = imgui.calc_item_width(), imgui.get_frame_height()
+    start = imgui.get_cursor_screen_pos()
+    lines = imgui.get_window_draw_list()
+    rounding = imgui.get_style().frame_rounding
+    hovered = imgui.is_mouse_hovering_rect(start, (start.x + width, start.y + height)) and imgui.is_window_hovered()
+    ground = theme.FRAME_HOVER if hovered else theme.FRAME
+    lines.add_rect_filled(start, (start.x + width, start.y + height), theme.u32(ground), rounding)
+    span = max(high - low, 1e-30)
+    origin, at = (min(max((v - low) / span, 0.0), 1.0) for v in (0.0 if low < 0.0 < high else low, value))
+    left, right = start.x + min(origin, at) * width, start.x + max(origin, at) * width
+    fill = theme.FILL_ACTIVE if hovered else theme.FILL
+    if right - left > 1.0:
+        lines.add_rect_filled((left, start.y), (right, start.y + height), theme.u32(fill), rounding)
+    if low < 0.0 < high:
+        lines.add_line(
+            (start.x + origin * width, start.y + 2),
+            (start.x + origin * width, start.y + height - 2),
+            theme.u32(theme.FAINT),
+        )
+    clear = imgui.ImVec4(0, 0, 0, 0)
+    names = ("frame_bg", "frame_bg_hovered", "frame_bg_active", "slider_grab", "slider_grab_active")
+    for name in names:
+        imgui.push_style_color(getattr(imgui.Col_, name), clear)
+    changed, new = imgui.slider_float(label, value, low, high, format, imgui.SliderFlags_.always_clamp)
+    imgui.pop_style_color(len(names))
+    return bool(changed), float(new)
 
 
 def _edit_int(param: Param, value: int) -> tuple[bool, int]:
@@ -101,9 +132,8 @@ def _edit_vector(param: Param, value: Any) -> tuple[bool, tuple[float, ...]]:
 
 def _edit_color(param: Param, value: tuple[float, ...]) -> tuple[bool, tuple[float, ...]]:
     shown = [srgb_from_linear(c) for c in value[:3]] + list(value[3:])
-    flags = imgui.ColorEditFlags_.float
-    if param.max > 1.0:
-        flags |= imgui.ColorEditFlags_.hdr
+    hdr = param.max > 1.0
+    flags = imgui.ColorEditFlags_.float | imgui.ColorEditFlags_.hdr if hdr else imgui.ColorEditFlags_.uint8
     if len(value) == 4:
         changed, new = imgui.color_edit4("##value", shown, flags | imgui.ColorEditFlags_.alpha_preview_half)
     else:

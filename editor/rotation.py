@@ -15,7 +15,7 @@ def euler_from_quaternion(q: tuple[float, ...]) -> tuple[float, float, float]:
     sin_y = 2.0 * (w * y - x * z)
     if abs(sin_y) > 1.0 - 1e-12:
         ry = math.copysign(math.pi / 2, sin_y)
-        rx, rz = 0.0, 2.0 * math.atan2(z, w) if sin_y > 0 else 2.0 * math.atan2(z, w)
+        rx, rz = 0.0, 2.0 * math.atan2(z, w)
         return math.degrees(rx), math.degrees(ry), math.degrees(math.remainder(rz, math.tau))
     rx = math.atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
     ry = math.asin(sin_y)

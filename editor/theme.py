@@ -37,6 +37,8 @@ WARNING = rgb("#e8c15a")
 ERROR = rgb("#ef6e64")
 GOOD = rgb("#79c07a")
 AXES = (rgb("#e5534b"), rgb("#78c250"), rgb("#4c8df0"))
+FILL = rgb("#3d5a78")
+FILL_ACTIVE = rgb("#4f7aa8")
 #: bars of the timings panel, in order; apart in hue and lightness, and told apart by their labels too
 SERIES = tuple(rgb(c) for c in ("#5b9bd5", "#e9a94a", "#79c07a", "#c77dd1", "#e57361", "#58bfb6", "#b3b84a", "#9a8ce0"))
 
@@ -60,6 +62,7 @@ def load_fonts() -> Fonts:
     fonts.bold = hello_imgui.load_font("fonts/Roboto/Roboto-Bold.ttf", FONT_SIZE)
     _merge_icons(FONT_SIZE * 0.86)
     fonts.mono = hello_imgui.load_font("fonts/Inconsolata-Medium.ttf", FONT_SIZE)
+    _merge_icons(FONT_SIZE * 0.82)
     return fonts
 
 
@@ -72,11 +75,11 @@ def _merge_icons(size: float) -> None:
 def apply(scale: float = 1.0) -> None:
     """Set imgui's style. `scale` is the user's own factor on top of the display's."""
     style = imgui.get_style()
-    style.window_padding = (10, 8)
-    style.frame_padding = (8, 4)
-    style.cell_padding = (6, 3)
-    style.item_spacing = (8, 5)
-    style.item_inner_spacing = (6, 4)
+    style.window_padding = imgui.ImVec2(10, 8)
+    style.frame_padding = imgui.ImVec2(8, 4)
+    style.cell_padding = imgui.ImVec2(6, 3)
+    style.item_spacing = imgui.ImVec2(8, 5)
+    style.item_inner_spacing = imgui.ImVec2(6, 4)
     style.indent_spacing = 16
     style.scrollbar_size = 12
     style.grab_min_size = 10
@@ -88,11 +91,13 @@ def apply(scale: float = 1.0) -> None:
     style.child_rounding = 4
     style.frame_rounding = style.grab_rounding = style.tab_rounding = 4
     style.scrollbar_rounding = 6
-    style.window_title_align = (0.0, 0.5)
+    style.window_title_align = imgui.ImVec2(0.0, 0.5)
     style.window_menu_button_position = imgui.Dir.none
     style.docking_separator_size = 3
+    style.docking_node_has_close_button = False
+    style.tab_close_button_min_width_selected = style.tab_close_button_min_width_unselected = 0  # while hovered
     style.separator_text_border_size = 1
-    style.separator_text_padding = (0, 6)
+    style.separator_text_padding = imgui.ImVec2(0, 6)
     style.disabled_alpha = 0.45
     style.hover_delay_short = 0.25
     style.font_scale_main = scale
@@ -107,18 +112,18 @@ def _colors() -> dict[str, Rgba]:
         "border": BORDER, "border_shadow": clear, "frame_bg": FRAME, "frame_bg_hovered": FRAME_HOVER,
         "frame_bg_active": FRAME_ACTIVE, "title_bg": BACKGROUND, "title_bg_active": BACKGROUND,
         "title_bg_collapsed": BACKGROUND, "menu_bar_bg": BACKGROUND, "scrollbar_bg": clear,
-        "scrollbar_grab": rgb("#3a3f48"), "scrollbar_grab_hovered": rgb("#4a505b"), "scrollbar_grab_active": rgb("#5a616e"),
-        "check_mark": ACCENT, "slider_grab": rgb("#6f7784"), "slider_grab_active": ACCENT, "button": BUTTON,
-        "button_hovered": BUTTON_HOVER, "button_active": rgb("#424853"), "header": SELECTION,
-        "header_hovered": SELECTION_HOVER, "header_active": SELECTION, "separator": BORDER,
-        "separator_hovered": ACCENT_DIM, "separator_active": ACCENT, "resize_grip": clear,
-        "resize_grip_hovered": ACCENT_DIM, "resize_grip_active": ACCENT, "tab": BACKGROUND, "tab_hovered": RAISED,
-        "tab_selected": PANEL, "tab_selected_overline": ACCENT, "tab_dimmed": BACKGROUND, "tab_dimmed_selected": PANEL,
-        "tab_dimmed_selected_overline": rgb("#4a4f59"), "docking_preview": ACCENT_DIM, "docking_empty_bg": BACKGROUND,
-        "table_header_bg": RAISED, "table_border_strong": BORDER, "table_border_light": rgb("#24272d"),
-        "table_row_bg": clear, "table_row_bg_alt": (1.0, 1.0, 1.0, 0.018), "text_selected_bg": SELECTION,
-        "drag_drop_target": ACCENT, "nav_cursor": ACCENT, "modal_window_dim_bg": (0.0, 0.0, 0.0, 0.55),
-        "plot_histogram": ACCENT, "tree_lines": rgb("#3a3f48"),
+        "scrollbar_grab": rgb("#3a3f48"), "scrollbar_grab_hovered": rgb("#4a505b"),
+        "scrollbar_grab_active": rgb("#5a616e"), "check_mark": ACCENT, "slider_grab": rgb("#6f7784"),
+        "slider_grab_active": ACCENT, "button": BUTTON, "button_hovered": BUTTON_HOVER,
+        "button_active": rgb("#424853"), "header": SELECTION, "header_hovered": SELECTION_HOVER,
+        "header_active": SELECTION, "separator": BORDER, "separator_hovered": ACCENT_DIM, "separator_active": ACCENT,
+        "resize_grip": clear, "resize_grip_hovered": ACCENT_DIM, "resize_grip_active": ACCENT, "tab": BACKGROUND,
+        "tab_hovered": RAISED, "tab_selected": PANEL, "tab_selected_overline": ACCENT, "tab_dimmed": BACKGROUND,
+        "tab_dimmed_selected": PANEL, "tab_dimmed_selected_overline": rgb("#4a4f59"), "docking_preview": ACCENT_DIM,
+        "docking_empty_bg": BACKGROUND, "table_header_bg": RAISED, "table_border_strong": BORDER,
+        "table_border_light": rgb("#24272d"), "table_row_bg": clear, "table_row_bg_alt": (1.0, 1.0, 1.0, 0.018),
+        "text_selected_bg": SELECTION, "drag_drop_target": ACCENT, "nav_cursor": ACCENT,
+        "modal_window_dim_bg": (0.0, 0.0, 0.0, 0.55), "plot_histogram": ACCENT, "tree_lines": rgb("#3a3f48"),
     }  # fmt: skip
 
 

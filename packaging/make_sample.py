@@ -42,7 +42,7 @@ SUN_HEIGHT = 0.36  # m above the floor; the planets circle in this plane
 FLOOR_RADIUS = 0.70  # m
 PEDESTAL_RADIUS = 0.19  # m
 PEDESTAL_HEIGHT = 0.060  # m
-GEAR_MODULE = 0.0030  # m: pitch diameter / teeth
+GEAR_MODULE = 0.0040  # m: pitch diameter / teeth
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,11 +61,11 @@ class Planet:
 
 
 PLANETS = (
-    Planet("mercury", "hammered iron", 0.064, 0.0085, 0.306, 4, -2, 0.60),
-    Planet("venus", "terracotta", 0.094, 0.0135, 0.290, 3, 4, 2.30, 0.1),
-    Planet("earth", "porcelain", 0.130, 0.0165, 0.274, 2, 6, 0.05, 0.41),
-    Planet("saturn", "gold", 0.172, 0.0170, 0.258, 1, 3, 3.75, 0.35),
-    Planet("jupiter", "painted", 0.2085, 0.0245, 0.242, 1, 4, 5.35, 0.05),
+    Planet("mercury", "hammered iron", 0.064, 0.0085, 0.310, 4, -2, 0.60),
+    Planet("venus", "terracotta", 0.094, 0.0135, 0.295, 3, 4, 2.30, 0.1),
+    Planet("earth", "porcelain", 0.128, 0.0165, 0.280, 2, 6, 0.05, 0.41),
+    Planet("saturn", "gold", 0.168, 0.0165, 0.265, 1, 3, 3.75, 0.35),
+    Planet("jupiter", "painted", 0.2030, 0.0235, 0.250, 1, 4, 5.35, 0.05),
 )
 
 
@@ -201,7 +201,7 @@ def add_floor(shop: Workshop, root: int) -> None:
     edge = lathe(
         [(0.0, -0.032), (FLOOR_RADIUS - 0.012, -0.032), *arc((FLOOR_RADIUS - 0.012, -0.020), 0.012, -90, 0, 4),
          *arc((FLOOR_RADIUS - 0.008, -0.008), 0.008, 0, 90, 4), (inlay, 0.0)],
-        96, 0.002, steps=2,
+        80, 0.002, steps=2,
     )  # fmt: skip
     floor = shop.glb.add_mesh(
         "floor",
@@ -227,7 +227,7 @@ def add_pedestal(shop: Workshop, root: int) -> int:
         *arc((r - 0.020, 0.052), 0.0065, -70, 90, 6),
         (r - 0.020, h), (0.0, h),
     ]  # fmt: skip
-    shop.part("marble drum", lathe(drum, 80, 0.0012, steps=2, v_per_metre=0.85), "marble", group)
+    shop.part("marble drum", lathe(drum, 72, 0.0012, steps=2, v_per_metre=0.85), "marble", group)
     base_y, wood_r = h, 0.146
     wood = [
         (0.0, base_y), (wood_r, base_y), (wood_r, base_y + 0.005),
@@ -259,7 +259,7 @@ def add_column(shop: Workshop, root: int) -> None:
         (0.0100, 0.318), (0.0100, 0.3205), (0.0050, 0.323), (0.0034, 0.330), (0.0034, SUN_HEIGHT - 0.018),
         (0.0, SUN_HEIGHT - 0.018),
     ]  # fmt: skip
-    column = polar(lathe(profile, 32, 0.0008, steps=2), 4.0, 12.0)
+    column = polar(lathe(profile, 28, 0.0008, steps=2), 4.0, 12.0)
     shop.part("column", column, "brushed brass", root)
 
 
@@ -272,7 +272,7 @@ def add_frame(shop: Workshop, root: int) -> None:
         [(horizon_r - width / 2 + 0.001, 0.0), (horizon_r - width / 2, -0.0012), (horizon_r - width / 2, -0.0055),
          (horizon_r - width / 2 + 0.002, -0.0075), (horizon_r + width / 2 - 0.002, -0.0075),
          (horizon_r + width / 2, -0.0055), (horizon_r + width / 2, -0.0012), (horizon_r + width / 2 - 0.001, 0.0)],
-        112, 0.0008, steps=2,
+        96, 0.0008, steps=2,
     )  # fmt: skip
     mesh = shop.glb.add_mesh(
         "horizon ring",
@@ -317,10 +317,10 @@ def add_frame(shop: Workshop, root: int) -> None:
 def add_gears(shop: Workshop, root: int) -> None:
     """A wheel on the column drives two pinions with a third of its teeth, so they turn three times as often."""
     train = shop.glb.add_node("gear train", root, translation=[0, 0.2155, 0])
-    wheel = shop.part("wheel", gear(48, GEAR_MODULE, 0.0070, 0.0088, 6), "brushed brass", train)
+    wheel = shop.part("wheel", gear(36, GEAR_MODULE, 0.0070, 0.0088, 6), "brushed brass", train)
     shop.spin(wheel, (0, 1, 0), 1)
-    pinion = shop.mesh("pinion", gear(16, GEAR_MODULE, 0.0090, 0.0036, 0), "dark steel")
-    distance = (48 + 16) * GEAR_MODULE / 2
+    pinion = shop.mesh("pinion", gear(12, GEAR_MODULE, 0.0090, 0.0036, 0), "dark steel")
+    distance = (36 + 12) * GEAR_MODULE / 2
     post_height = 0.2155 - 0.086
     post = lathe(
         [(0.0, -post_height), (0.0125, -post_height), (0.0125, -post_height + 0.003), (0.0070, -post_height + 0.007),
@@ -332,9 +332,9 @@ def add_gears(shop: Workshop, root: int) -> None:
     for i, angle in enumerate((math.radians(35), math.radians(215))):
         at = [distance * math.sin(angle), 0.0, distance * math.cos(angle)]
         shop.glb.add_node(f"post {i + 1}", train, mesh=posts, translation=at)
-        # a tooth of the wheel points at angle 0 and every 7.5 degrees; the pinion must show it a gap
-        wheel_phase = angle % (math.tau / 48)
-        facing = angle + math.pi + 3 * wheel_phase + math.pi / 16
+        # a tooth of the wheel points at angle 0 and every 10 degrees; the pinion must show it a gap
+        wheel_phase = angle % (math.tau / 36)
+        facing = angle + math.pi + 3 * wheel_phase + math.pi / 12
         node = shop.glb.add_node(f"pinion {i + 1}", train, mesh=pinion, translation=at, rotation=about("y", facing))
         shop.spin(node, (0, 1, 0), -3)
     # the collar rises and sinks on the column, once up and down in a loop
@@ -466,7 +466,7 @@ def add_moon(shop: Workshop, parent: int, earth: Planet) -> None:
 def add_views(shop: Workshop) -> None:
     """Cameras: the whole instrument, and a close look into the planets."""
     views = {
-        "main": ((0.50, 0.56, 0.95), (0.0, 0.292, 0.0), 29.0),
+        "main": ((0.56, 0.60, 1.14), (0.0, 0.290, 0.0), 32.0),
         "close": ((-0.20, 0.47, 0.36), (0.015, 0.335, 0.02), 34.0),
     }
     for name, (eye, target, yfov) in views.items():

@@ -30,6 +30,7 @@ class Glb:
     extensions: set[str] = field(default_factory=set)
     lights: list[dict[str, Any]] = field(default_factory=list)
     _blob: bytearray = field(default_factory=bytearray)
+    _accessors: dict[tuple[object, ...], int] = field(default_factory=dict)
 
     def _append(self, kind: str, value: dict[str, Any]) -> int:
         items = self.document.setdefault(kind, [])
@@ -47,7 +48,10 @@ class Glb:
     def add_accessor(
         self, values: NDArray[Any], target: int = 0, *, bounds: bool = False, normalized: bool = False
     ) -> int:
-        """`values` [n] or [n,k] in one of the component types, tightly packed."""
+        """`values` [n] or [n,k] in one of the component types, tightly packed. Equal data is stored once."""
+        key = (values.tobytes(), values.dtype, values.shape, target, bounds, normalized)
+        if key in self._accessors:
+            return self._accessors[key]
         accessor: dict[str, Any] = {
             "bufferView": self._view(np.ascontiguousarray(values).tobytes(), target),
             "componentType": _COMPONENTS[values.dtype],
@@ -59,7 +63,8 @@ class Glb:
         if bounds:
             accessor["min"] = np.atleast_1d(values.min(0)).tolist()
             accessor["max"] = np.atleast_1d(values.max(0)).tolist()
-        return self._append("accessors", accessor)
+        self._accessors[key] = self._append("accessors", accessor)
+        return self._accessors[key]
 
     def add_texture(self, name: str, data: bytes) -> int:
         mime = "image/png" if data.startswith(b"\x89PNG") else "image/jpeg"
@@ -109,16 +114,12 @@ class Glb:
         return {"KHR_lights_punctual": {"light": len(self.lights) - 1}}
 
     def add_animation(self, name: str, channels: Sequence[tuple[int, str, NDArray[Any], NDArray[Any]]]) -> int:
-        """`channels`: node, path (translation | rotation | scale), times [n] s, values [n,k]; linear. Equal time lines
-        share one accessor."""
-        inputs: dict[bytes, int] = {}
+        """`channels`: node, path (translation | rotation | scale), times [n] s, values [n,k]; linear."""
         samplers, targets = [], []
         for node, path, times, values in channels:
-            line = times.astype("<f4")
-            if line.tobytes() not in inputs:
-                inputs[line.tobytes()] = self.add_accessor(line, bounds=True)
+            line = self.add_accessor(times.astype("<f4"), bounds=True)
             output = self.add_accessor(values.astype("<f4"))
-            samplers.append({"input": inputs[line.tobytes()], "output": output, "interpolation": "LINEAR"})
+            samplers.append({"input": line, "output": output, "interpolation": "LINEAR"})
             targets.append({"sampler": len(samplers) - 1, "target": {"node": node, "path": path}})
         return self._append("animations", {"name": name, "samplers": samplers, "channels": targets})
 

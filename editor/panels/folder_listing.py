@@ -1,4 +1,4 @@
-"""Folders as the assets panel and the open dialog show them: sorted, filtered, read again when they change. No imgui."""
+"""Folders as the assets panel and the open dialog show them: sorted, and read again when they change. No imgui."""
 
 from __future__ import annotations
 

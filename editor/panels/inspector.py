@@ -96,8 +96,8 @@ class InspectorPanel(Panel):
     ) -> None:
         value = [float(v) for v in getattr(document.runtime.scene.nodes, column)[row]]
         property_row(label, doc)
-        changed, new = imgui.drag_float3(f"##{column}", value, speed, 0, 0, format)
-        new = tuple(float(v) for v in new)
+        changed, edited = imgui.drag_float3(f"##{column}", value, speed, 0, 0, format)
+        new = tuple(float(v) for v in edited)
         if changed and all(math.isfinite(v) for v in new):
             if column == "scale":  # a zero scale has no inverse, and nothing to see
                 new = tuple(v if abs(v) > 1e-6 else math.copysign(1e-6, v) for v in new)

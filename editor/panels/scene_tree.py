@@ -100,7 +100,11 @@ class SceneTreePanel(Panel):
         selected = row in document.selection
         start = imgui.get_cursor_pos_x()
         name = nodes.name[row] or f"node {row}"
-        flags = imgui.SelectableFlags_.allow_overlap | imgui.SelectableFlags_.allow_double_click
+        flags = (
+            imgui.SelectableFlags_.allow_overlap
+            | imgui.SelectableFlags_.allow_double_click
+            | imgui.SelectableFlags_.span_all_columns
+        )
         if imgui.selectable(f"##{name}-{row}", selected, flags, (0, imgui.get_frame_height() * 0.92))[0]:
             document.select(row, toggle=imgui.get_io().key_ctrl)
             self._selection = document.selection

@@ -5,6 +5,7 @@ from __future__ import annotations
 from imgui_bundle import imgui
 
 from editor import icons
+from editor.param_widgets import filled_slider
 from editor.ui import Ui
 from editor.widgets import em, icon_button, mono
 
@@ -34,7 +35,7 @@ def draw(ui: Ui) -> None:
         total = f"{playback.duration:.2f} s"
         imgui.same_line(0, em(0.6))
         imgui.set_next_item_width(imgui.get_content_region_avail().x - imgui.calc_text_size(total).x - em(1.2))
-        changed, time = imgui.slider_float("##time", playback.time, 0.0, playback.duration, "")
+        changed, time = filled_slider("##time", playback.time, 0.0, playback.duration, "")
         if changed:
             playback.playing = False
             session.seek(float(time))

@@ -45,7 +45,7 @@ class ViewportPanel(Panel):
         viewport_strip.draw(ui)
         imgui.set_cursor_pos((0, imgui.get_cursor_pos_y() + em(0.1)))
         avail = imgui.get_content_region_avail()
-        bar = imgui.get_frame_height() + em(0.5) if session.playback.available else 0.0
+        bar = imgui.get_frame_height() + em(0.55) if session.playback.available else 0.0
         width, height = max(avail.x, 1.0), max(avail.y - bar, 1.0)
         self._picture(ui, width, height)
         if session.playback.available:

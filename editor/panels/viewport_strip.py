@@ -7,6 +7,7 @@ from typing import Any
 from imgui_bundle import imgui
 
 from editor import icons, theme
+from editor.param_widgets import filled_slider
 from editor.ui import Ui
 from editor.widgets import em, icon_button, pretty, text, tooltip
 from engine.core.param import Param, ParamBlock
@@ -14,8 +15,8 @@ from engine.core.param import Param, ParamBlock
 #: (setting, icon, width in em); those a build's settings do not have are left out
 CONTROLS = (
     ("environment_rotation", icons.ENVIRONMENT, 7.0),
-    ("exposure", icons.EXPOSURE, 6.0),
-    ("tone_map", "", 6.0),
+    ("exposure", icons.EXPOSURE, 5.5),
+    ("tone_map", icons.LOOK, 8.5),
     ("view", icons.VISIBLE, 7.5),
 )
 
@@ -48,7 +49,7 @@ def _control(settings: ParamBlock, param: Param, icon: str, width: float) -> Non
         if changed:
             setattr(settings, param.name, param.choices[index])
     elif param.name == "environment_rotation":
-        changed, new = imgui.slider_float(f"##{param.name}", wrap_degrees(value), -180.0, 180.0, "%.0f°")
+        changed, new = filled_slider(f"##{param.name}", wrap_degrees(value), -180.0, 180.0, "%.0f°")
         if changed:
             setattr(settings, param.name, float(new))
     else:

@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 
 from engine.math.transform import look_at
 from engine.render.camera import Camera
+from engine.resources.residency import Residency
+from engine.scene.scene import Scene
 
 #: degrees from the front (+Z) towards +X, and above the horizon
 AZIMUTH, ELEVATION = 30.0, 18.0
@@ -44,3 +46,20 @@ def frame_bounds(
     distance = max(distance, 0.05 * radius)
     pose[:3, 3] = center + back * distance
     return Camera(pose, yfov, znear=max(distance - radius, distance * 1e-3) * 0.2, zfar=distance + 4 * radius)
+
+
+def scene_box(scene: Scene, residency: Residency) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """(min, max: f8[3], world) of the drawn instances' boxes; (+inf, -inf) when nothing is drawn. Call after update."""
+    table = scene.instances
+    rows = np.flatnonzero(table.drawn)
+    if len(rows) == 0:
+        return np.full(3, np.inf), np.full(3, -np.inf)
+    shapes, of_row = np.unique(np.stack([table.mesh[rows], table.submesh[rows]], 1), axis=0, return_inverse=True)
+    parts = [residency.meshes[mesh].asset.submeshes[submesh] for mesh, submesh in shapes.tolist()]
+    low = np.array([p.bounds_min for p in parts], np.float64)[of_row.reshape(-1)]
+    high = np.array([p.bounds_max for p in parts], np.float64)[of_row.reshape(-1)]
+    world = scene.nodes.world[table.node[rows]]
+    # Arvo 1990, "Transforming Axis-Aligned Bounding Boxes": centre by the matrix, extent by its absolute values
+    center = np.einsum("nij,nj->ni", world[:, :, :3], (low + high) / 2) + world[:, :, 3]
+    extent = np.einsum("nij,nj->ni", np.abs(world[:, :, :3]), (high - low) / 2)
+    return (center - extent).min(axis=0), (center + extent).max(axis=0)

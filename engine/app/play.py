@@ -54,7 +54,7 @@ class Player:
         self.runtime = runtime
         self.time = 0.0
         self.paused = False
-        low, high = runtime.scene.bounds()
+        low, high = runtime.bounds()
         self.scale = float(np.linalg.norm(high - low)) / 3 if np.isfinite(high - low).all() else 1.0
         self.free = self._first_camera()
         window.key_event_func = self.on_key

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.animation.sample import ClipPlayer
-from engine.app.framing import frame_bounds
+from engine.app.framing import frame_bounds, scene_box
 from engine.app.picking import pick_node
 from engine.assets.clip import ClipAsset
 from engine.assets.lanim import read_lanim
@@ -43,7 +43,7 @@ class Runtime:
         self.scene = Scene()
         self.asset = SceneAsset("empty")
         self.path: Path | None = None
-        self.node_rows: NDArray[np.intp] = np.zeros(0, np.intp)
+        self.node_rows: NDArray[np.int64] = np.zeros(0, np.int64)
         self.clips: list[ClipAsset] = []
         self.players: list[ClipPlayer] = []
         self.findings = Findings()
@@ -65,7 +65,8 @@ class Runtime:
         self.asset, self.path = asset, path
         self.findings.file = str(path or asset.name)
         self.scene = Scene.from_asset(asset)
-        self.node_rows = np.arange(len(asset.nodes), dtype=np.intp)
+        self.node_rows = self.scene.row_of_node
+        self.findings.items.extend(self.scene.findings)
         self._add_instances(asset, base)
         for name in asset.clips:
             try:
@@ -109,10 +110,10 @@ class Runtime:
         for finding in self.residency.findings:
             self.findings.items.append(finding)
 
-    def add_instances(self, rows: list[tuple[int, int, int, int]]) -> NDArray[np.intp]:
+    def add_instances(self, rows: list[tuple[int, int, int, int]]) -> NDArray[np.int64]:
         """Add drawables (node row, mesh id, submesh, material id); returns their instance rows."""
         if not rows:
-            return np.zeros(0, np.intp)
+            return np.zeros(0, np.int64)
         table = np.array(rows, np.int32)
         bounds = np.array([self.residency.meshes[mesh].bounds[submesh] for _, mesh, submesh, _ in rows])
         return self.scene.instances.add_many(
@@ -141,7 +142,12 @@ class Runtime:
             camera = self.asset.nodes[node].camera
             if camera is not None:
                 return Camera.from_asset(camera, self.scene.nodes.world_matrix(int(self.node_rows[node])))
-        return frame_bounds(*self.scene.bounds(), aspect)
+        low, high = self.bounds()
+        return frame_bounds(low, high, aspect)
+
+    def bounds(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """The box (min, max: f8[3], world) of everything drawn; infinite and empty when nothing is."""
+        return scene_box(self.scene, self.residency)
 
     def render(self, view: View, *, hdr: bool = False) -> Frame:
         return self.renderer.render(self.scene, view, hdr=hdr)

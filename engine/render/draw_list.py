@@ -92,6 +92,8 @@ class DrawList:
         self.instances_drawn = 0
         self.triangles_drawn = 0
         self._built_for: tuple[object, ...] = ()
+        self._mirrored = np.zeros(0, np.bool_)
+        self._mirrored_seen = (0, -1, -1)
         self._solid = _empty_template()
         self._solid_batches: list[tuple[int, int]] = []
         self._glass = _empty_template()
@@ -105,8 +107,9 @@ class DrawList:
 
     def build(self, scene: Scene) -> bool:
         """Rebuild the templates if the structure changed; True if it did."""
-        key = (id(scene), scene.structure_rev, self._residency.structure_rev, scene.instances.material_rev)
-        if key == self._built_for:
+        turned = self._update_mirrored(scene)
+        key = (id(scene), scene.structure_rev, self._residency.structure_rev)
+        if key == self._built_for and not turned:
             return False
         self._built_for = key
         table = scene.instances
@@ -116,7 +119,7 @@ class DrawList:
             self._solid, self._glass = _empty_template(), _empty_template()
             self._solid_batches = []
             return True
-        mirrored = scene.nodes.mirrored()[table.node]
+        mirrored = self._mirrored[np.maximum(table.node, 0)]
         combos, inverse = np.unique(
             np.stack([table.mesh, table.submesh, table.material, mirrored.astype(np.int32)], axis=1),
             axis=0, return_inverse=True,
@@ -135,6 +138,24 @@ class DrawList:
         self._solid_batches = _runs(self._solid.states)
         self._glass = self._template(states, shapes, inverse, alive & blended[inverse])
         return True
+
+    def _update_mirrored(self, scene: Scene) -> bool:
+        """Which nodes turn their meshes inside out (negative determinant); True when that changed."""
+        nodes = scene.nodes
+        seen = self._mirrored_seen
+        if seen == (id(scene), nodes.transform_rev, len(nodes)):
+            return False
+        known = seen[0] == id(scene) and seen[2] == len(nodes)
+        self._mirrored_seen = (id(scene), nodes.transform_rev, len(nodes))
+        before = self._mirrored if known else np.zeros(len(nodes), np.bool_)
+        rows = np.flatnonzero(nodes.turn_rev > seen[1]) if known else np.arange(len(nodes))
+        if known and len(rows) == 0:
+            return False
+        m = nodes.world[rows, :, :3]
+        determinant = np.einsum("ij,ij->i", m[:, 0], np.cross(m[:, 1], m[:, 2]))
+        self._mirrored = before.copy()
+        self._mirrored[rows] = determinant < 0.0
+        return not known or bool((self._mirrored != before).any())
 
     def _state(self, mesh: int, submesh: int, material: int, mirrored: bool) -> DrawState:
         record = self._residency.material(material)
@@ -173,7 +194,7 @@ class DrawList:
         data = np.zeros((max(count, 1), 4), np.uint32)
         if count:
             data[:, 0] = np.maximum(table.node, 0)
-            data[:, 1] = rows_of[table.material]
+            data[:, 1] = rows_of[np.maximum(table.material, 0)]
             data[:, 2] = table.node
         self.objects = _fit(self._device, self.objects, data)
 

@@ -66,7 +66,7 @@ class LightRows:
             lit["range"] = world["range"]
             lit["direction"] = world["direction"]
             lit["type"] = world["type"]
-            lit["color"] = world["color"]
+            lit["color"] = world["radiant"]
             inner, outer = world["cos_inner"], world["cos_outer"]
             lit["spot_scale"] = 1.0 / np.maximum(inner - outer, 1e-4)  # equal angles would divide by zero
             lit["spot_offset"] = -outer * lit["spot_scale"]

@@ -90,17 +90,18 @@ class Renderer:
     def _changed_rows(self, scene: Scene) -> NDArray[np.intp] | None:
         """Node rows whose world moved since this renderer last looked; None = all."""
         seen_scene, seen_rev = self._seen
-        rev = scene.nodes.world_rev
+        rev = scene.transform_rev
         self._seen = (id(scene), rev)
         if seen_scene != id(scene):
             return None
         if seen_rev == rev:
             return np.zeros(0, np.intp)
-        return scene.nodes.changed_since(seen_rev)
+        changed: NDArray[np.intp] = np.flatnonzero(scene.nodes.world_rev > seen_rev)
+        return changed
 
     def _visibility(self, scene: Scene, view: View) -> None:
         rebuilt = self.draws.build(scene)
-        key = (id(scene), scene.transform_rev, scene.visibility_rev, view.camera.key(), view.aspect)
+        key = (id(scene), scene.transform_rev, scene.instances.drawn_rev, view.camera.key(), view.aspect)
         if not rebuilt and key == self._visibility_key:
             return
         self._visibility_key = key

@@ -113,9 +113,9 @@ def _camera(runtime: Runtime, args: argparse.Namespace, aspect: float) -> Camera
             azimuth, elevation = (float(v) for v in args.orbit.split(","))
         except ValueError as error:
             raise UsageError(f"--orbit {args.orbit!r}: expected AZIMUTH,ELEVATION in degrees") from error
-        return frame_bounds(*runtime.scene.bounds(), aspect, azimuth=azimuth, elevation=elevation)
+        return frame_bounds(*runtime.bounds(), aspect, azimuth=azimuth, elevation=elevation)
     if args.camera == "auto":
-        return frame_bounds(*runtime.scene.bounds(), aspect)
+        return frame_bounds(*runtime.bounds(), aspect)
     if args.camera:
         names = {n.name: i for i, n in enumerate(runtime.asset.nodes) if n.camera is not None}
         if args.camera not in names:

@@ -22,7 +22,7 @@ def read_animation(
 ) -> ClipAsset:
     """Animation `index`. `rows`: node of the source -> node of the scene; `morphs`: node -> number of morph targets."""
     animation, where = doc.objects("animations")[index], f"animations[{index}]"
-    clip = ClipAsset(doc.text(animation, "name", where) or f"clip_{index}")
+    clip = ClipAsset(doc.name(animation, where, f"clip_{index}"))
     samplers = doc.child_objects(animation, "samplers", where)
     taken: set[tuple[int, str]] = set()
     for number, channel in enumerate(doc.child_objects(animation, "channels", where)):

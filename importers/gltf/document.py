@@ -85,6 +85,10 @@ class Document:
         # JSON may hold half a surrogate pair, which no file can store
         return value.encode("utf-8", "replace").decode("utf-8")
 
+    def name(self, owner: JsonObject, path: str, fallback: str) -> str:
+        """The object's name, cut to what files can carry; `fallback` where it has none."""
+        return self.text(owner, "name", path)[:200] or fallback
+
     def choice(self, owner: JsonObject, key: str, path: str, choices: Sequence[str], default: str) -> str:
         value = self.text(owner, key, path, default)
         if value not in choices:

@@ -6,6 +6,7 @@ KHR_materials_emissive_strength, KHR_materials_pbrSpecularGlossiness (Khronos, 2
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from engine.assets.material import MaterialAsset, TextureRef
@@ -27,11 +28,11 @@ _SOURCES = {"EXT_texture_webp": True, "KHR_texture_basisu": False, "MSFT_texture
 def read_material(doc: Document, index: int) -> ImportedMaterial:
     """Material `index` for the `surface` effect. Extensions that it cannot show are kept and named in a finding."""
     material, where = doc.objects("materials")[index], f"materials[{index}]"
-    asset = MaterialAsset(doc.text(material, "name", where) or f"material_{index}")
+    asset = MaterialAsset(doc.name(material, where, f"material_{index}"))
     result = ImportedMaterial(asset)
     params = asset.params
     pbr, place = doc.object(material, "pbrMetallicRoughness", where), f"{where}.pbrMetallicRoughness"
-    params["base_color"] = list(_clamped(doc, pbr, "baseColorFactor", place, (1.0, 1.0, 1.0, 1.0)))
+    params["base_color"] = _clamped(doc, pbr, "baseColorFactor", place, (1.0, 1.0, 1.0, 1.0))
     params["metallic"] = doc.number(pbr, "metallicFactor", place, 1.0, 0.0, 1.0)
     params["roughness"] = doc.number(pbr, "roughnessFactor", place, 1.0, 0.0, 1.0)
     _texture(doc, pbr, "baseColorTexture", place, result, "base_color_map", "color")
@@ -41,7 +42,7 @@ def read_material(doc: Document, index: int) -> ImportedMaterial:
     _texture(doc, material, "emissiveTexture", where, result, "emissive_map", "color")
     params["normal_scale"] = doc.number(normal or {}, "scale", f"{where}.normalTexture", 1.0)
     params["occlusion_strength"] = doc.number(occlusion or {}, "strength", f"{where}.occlusionTexture", 1.0, 0.0, 1.0)
-    params["emissive"] = list(_clamped(doc, material, "emissiveFactor", where, (0.0, 0.0, 0.0)))
+    params["emissive"] = _clamped(doc, material, "emissiveFactor", where, (0.0, 0.0, 0.0))
     params["emissive_strength"] = 1.0
     params["alpha_cutoff"] = doc.number(material, "alphaCutoff", where, 0.5, 0.0, 1e9)
     asset.queue = _QUEUES[doc.choice(material, "alphaMode", where, tuple(_QUEUES), "OPAQUE")]
@@ -62,7 +63,7 @@ def _extensions(doc: Document, material: JsonObject, where: str, result: Importe
     for name, value in doc.object(material, "extensions", where).items():
         place = f"{where}.extensions.{name}"
         if name not in _SHOWN:
-            asset.extensions[name] = value if isinstance(value, dict) else {}
+            asset.extensions[name] = _storable(value) if isinstance(value, dict) else {}
             doc.findings.info("gltf.extension", f"{name} is imported and kept, not shown yet", place)
     if doc.extension(material, "KHR_materials_unlit", where) is not None:
         asset.features.append("unlit")
@@ -85,7 +86,7 @@ def _specular_glossiness(
     """
     place = f"{where}.extensions.KHR_materials_pbrSpecularGlossiness"
     asset = result.asset
-    asset.extensions["KHR_materials_pbrSpecularGlossiness"] = old
+    asset.extensions["KHR_materials_pbrSpecularGlossiness"] = _storable(old)
     if "pbrMetallicRoughness" in material:
         doc.findings.info(
             "gltf.spec-gloss", "the material's own metallic-roughness fallback is shown instead of specular-glossiness", place
@@ -106,7 +107,7 @@ def _specular_glossiness(
             min(max(d + (s - d) * blend, 0.0), 1.0) for d, s in zip(from_diffuse, from_specular, strict=True)
         ]  # fmt: skip
     asset.params |= {
-        "base_color": [*color, diffuse[3]],
+        "base_color": (*color, diffuse[3]),
         "metallic": metallic,
         "roughness": 0.5 if textured else 1.0 - gloss,
     }
@@ -205,6 +206,24 @@ def _sampler(doc: Document, texture: JsonObject, path: str, reference: TextureRe
     reference.wrap_v = pick("wrapT", _WRAPS, "repeat")
     reference.mag_filter = pick("magFilter", _MAG, "linear")
     reference.min_filter = pick("minFilter", _MIN, "linear_mip_linear")
+
+
+def _storable(value: Any) -> Any:
+    """Any JSON as TOML can hold it: numbers that are not finite or beyond 64 bits, and nulls, are left out.
+
+    Recursion is safe: the container bounds the depth."""
+    if isinstance(value, dict):
+        items = {k.encode("utf-8", "replace").decode(): _storable(v) for k, v in value.items()}
+        return {k: v for k, v in items.items() if v is not None}
+    if isinstance(value, list):
+        return [v for v in map(_storable, value) if v is not None]
+    if isinstance(value, str):
+        return value.encode("utf-8", "replace").decode()
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, int) and not -(2**63) <= value < 2**63:
+        return None
+    return value
 
 
 def _clamped(

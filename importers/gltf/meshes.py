@@ -77,7 +77,7 @@ class MeshReader:
         """Mesh `index`, bound to `skin`, and its material slots; None where nothing of it can be drawn."""
         where = f"meshes[{index}]"
         mesh = self._doc.objects("meshes")[index]
-        name = self._doc.text(mesh, "name", where) or f"mesh_{index}"
+        name = self._doc.name(mesh, where, f"mesh_{index}")
         primitives = []
         cache: dict[object, tuple[VertexData, Morphs] | None] = {}
         for number, primitive in enumerate(self._doc.child_objects(mesh, "primitives", where)):

@@ -10,14 +10,14 @@ import math
 import numpy as np
 
 from engine.assets.scene import IDENTITY_ROTATION, CameraAsset, LightAsset, NodeAsset
-from importers.geometry.trs import decompose
+from engine.math.transform import compose, decompose
 from importers.gltf.document import Document, JsonObject
 
 _IDENTITY_MATRIX = (1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 
 
 def node_name(doc: Document, index: int) -> str:
-    return doc.text(doc.objects("nodes")[index], "name", f"nodes[{index}]") or f"node_{index}"
+    return doc.name(doc.objects("nodes")[index], f"nodes[{index}]", f"node_{index}")
 
 
 def read_node(doc: Document, index: int) -> NodeAsset:
@@ -72,14 +72,17 @@ def _matrix(doc: Document, node: JsonObject, where: str, asset: NodeAsset) -> No
     if not np.allclose(matrix[3], (0, 0, 0, 1), atol=1e-6):
         doc.findings.warn("gltf.matrix", "the last row is not 0 0 0 1; taken as that", f"{where}.matrix")
     matrix[3] = (0, 0, 0, 1)
-    parts = decompose(matrix)
-    asset.translation, asset.rotation, asset.scale = parts.translation, parts.rotation, parts.scale
-    if parts.singular:
+    largest = float(np.abs(matrix[:3, :3]).max())
+    # of the matrix without its size, so that a scale of 1e-6 is not taken for a singular one
+    determinant = float(np.linalg.det(matrix[:3, :3] / largest)) if largest else 0.0
+    t, r, s = (v.tolist() for v in decompose(matrix))
+    asset.translation, asset.rotation, asset.scale = (t[0], t[1], t[2]), (r[0], r[1], r[2], r[3]), (s[0], s[1], s[2])
+    if abs(determinant) < 1e-12:
         doc.findings.warn(
             "gltf.singular", "the matrix is singular: it flattens whatever hangs on the node", f"{where}.matrix",
             "export the transform again",
         )  # fmt: skip
-    if parts.sheared:
+    if not np.allclose(compose(t, r, s)[:3, :3], matrix[:3, :3], rtol=0.0, atol=1e-5 * largest):
         doc.findings.info(
             "gltf.shear", "the matrix has shear; kept whole, beside its best fit by TRS", f"{where}.matrix"
         )

@@ -90,7 +90,7 @@ def _check_extensions(doc: Document, path: Path) -> None:
 def _image(doc: Document, container: Container, accessors: Accessors, index: int) -> SourceImage:
     image, where = doc.objects("images")[index], f"images[{index}]"
     uri = doc.text(image, "uri", where)
-    name = doc.text(image, "name", where)
+    name = doc.name(image, where, "")
     if not name and uri and not uri.startswith("data:"):
         name = Path(uri.replace("\\", "/")).stem
 

@@ -71,7 +71,7 @@ class EngineStage:
             np.tile(sphere[:3], (count, 1)), np.full(count, sphere[3], np.float32),
         )  # fmt: skip
         self.runtime.update()
-        camera = frame_bounds(*self.runtime.scene.bounds(), SIZE[0] / SIZE[1])
+        camera = frame_bounds(*self.runtime.bounds(), SIZE[0] / SIZE[1])
         self.view = View(camera, *SIZE, RenderSettings(samples=1))
         self._tick = 0
         self.counters: dict[str, float] = {}

@@ -82,7 +82,7 @@ def test_the_driver_s_own_message_maps_to_the_included_file(gl_device: Device, t
 def test_link_errors_name_the_pipeline(gl_device: Device) -> None:
     vertex = ShaderSource("vertex", "void main() { gl_Position = vec4(0.0); }")
     fragment = ShaderSource("fragment", "in vec3 absent; out vec4 c; void main() { c = vec4(absent, 1.0); }")
-    with pytest.raises(ShaderError, match="'unlinked' does not link.*absent"):
+    with pytest.raises(ShaderError, match=r"'unlinked' does not link.*absent"):
         gl_device.render_pipeline(RenderPipelineDesc("unlinked", vertex, fragment))
-    with pytest.raises(ShaderError, match="does not link|does not compile"):
+    with pytest.raises(ShaderError, match=r"does not link|does not compile"):
         gl_device.compute_pipeline(ComputePipelineDesc("empty", ShaderSource("compute", "void main() {}")))

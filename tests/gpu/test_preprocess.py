@@ -86,7 +86,7 @@ def test_missing_include_names_place_and_the_likely_file(tmp_path: Path) -> None
 
 def test_missing_file(tmp_path: Path) -> None:
     put(tmp_path, {"surface.frag": ""})
-    with pytest.raises(ShaderError, match="no such shader file.*did you mean 'surface.frag'"):
+    with pytest.raises(ShaderError, match=r"no such shader file.*did you mean 'surface.frag'"):
         flatten(tmp_path / "surfaces.frag", "fragment", search=[tmp_path])
 
 

@@ -47,7 +47,7 @@ class Stage:
         return node
 
     def view(self, size: tuple[int, int] = (64, 64), camera: Camera | None = None, **settings: Any) -> View:
-        camera = camera or frame_bounds(*self.runtime.scene.bounds(), size[0] / size[1], azimuth=0.0, elevation=0.0)
+        camera = camera or frame_bounds(*self.runtime.bounds(), size[0] / size[1], azimuth=0.0, elevation=0.0)
         return View(camera, *size, RenderSettings(**{"samples": 1, **settings}))
 
     def hdr(

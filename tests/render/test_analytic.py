@@ -9,6 +9,7 @@ import pytest
 
 from engine.app.framing import frame_bounds
 from engine.assets.primitives import card, cube, uv_sphere
+from engine.assets.scene import LightAsset
 
 pytestmark = pytest.mark.gl
 
@@ -47,7 +48,7 @@ def test_point_light_falls_with_the_square_of_the_distance(stage, surface) -> No
         stage.look(kind="none", sun_illuminance=0.0)
         stage.add(card(100.0), surface(base_color=(0.5, 0.5, 0.5, 1), metallic=0.0, specular=0.0))
         node = stage.runtime.scene.nodes.add("lamp", translation=(0, 0, distance))
-        stage.runtime.scene.lights.add(node, type="point", color=(1, 1, 1), intensity=math.pi)
+        stage.runtime.scene.lights.add(node, LightAsset("point", intensity=math.pi))
         stage.runtime.update()
         camera = frame_bounds(np.full(3, -0.01), np.full(3, 0.01), 1.0, azimuth=0.0, elevation=0.0)
         assert stage.hdr((33, 33), camera)[16, 16, 0] == pytest.approx(0.5 / distance**2, rel=5e-3)

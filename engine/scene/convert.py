@@ -1,0 +1,123 @@
+"""SceneAsset to Scene and back. Runs at load and save, so plain loops over nodes are fine here."""
+
+from __future__ import annotations
+
+import copy
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from engine.assets.scene import IDENTITY_ROTATION, NodeAsset, SceneAsset
+from engine.scene.scene import Scene
+
+
+def fill_scene(scene: Scene, asset: SceneAsset) -> None:
+    """Add the nodes, lights and cameras of `asset` to an empty `scene` and update it; findings go to the scene's."""
+    notes = scene.findings
+    nodes = asset.nodes
+    parents = []
+    for index, node in enumerate(nodes):
+        parent = node.parent
+        if not -1 <= parent < index:
+            notes.warn("scene.parent", f"parent {parent} is not an earlier node, made a root", f"nodes[{index}]")
+            parent = -1
+        parents.append(parent)
+
+    def column(name: str, default: tuple[float, ...]) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+        values = np.array([getattr(n, name) for n in nodes], np.float64).reshape(len(nodes), len(default))
+        for index in np.flatnonzero(~np.isfinite(values).all(axis=1)):
+            notes.warn("scene.number", f"{name} {values[index].tolist()} is not finite, reset", f"nodes[{index}]")
+            values[index] = default
+        return values
+
+    rows = scene.nodes.add_many(
+        [n.name for n in nodes],
+        None,
+        column("translation", (0.0, 0.0, 0.0)),
+        column("rotation", IDENTITY_ROTATION),
+        column("scale", (1.0, 1.0, 1.0)),
+        batch_parents=parents,
+    )
+    scene.row_of_node = rows
+    if nodes:
+        scene.nodes.set_visible(rows, [n.visible for n in nodes])
+    for index, (node, row) in enumerate(zip(nodes, rows.tolist(), strict=True)):
+        path = f"nodes[{index}]"
+        scene.sources[row] = node
+        if math.hypot(*node.rotation) < 1e-30:
+            notes.warn("scene.rotation", "zero rotation, taken as none", path)
+        if node.matrix is not None:
+            if len(node.matrix) == 16 and all(math.isfinite(v) for v in node.matrix):
+                scene.nodes.set_matrix(row, np.array(node.matrix, np.float64).reshape(4, 4).T)
+            else:
+                notes.warn("scene.matrix", "matrix is not 16 finite numbers, left out", path)
+        if node.light is not None:
+            scene.lights.add(row, node.light, notes, f"{path}.light")
+        if node.camera is not None:
+            scene.cameras.add(row, node.camera, notes, f"{path}.camera")
+    scene.environment = copy.copy(asset.environment)
+    scene.look = copy.copy(asset.look)
+    if 0 <= asset.active_camera < len(nodes):
+        scene.active_camera = int(rows[asset.active_camera])
+    scene.update()
+
+
+def scene_asset(scene: Scene, base: SceneAsset | None) -> SceneAsset:
+    """Return `scene` as an asset: rows in their order, except that a parent always precedes its children."""
+    order = _parents_first(scene)
+    index_of = {row: index for index, row in enumerate(order)}
+    before = {int(row): index for index, row in enumerate(scene.row_of_node.tolist()) if row >= 0}
+    joint_of = {old: index_of[row] for row, old in before.items() if row in index_of}
+    nodes = [_node_asset(scene, row, index_of, joint_of) for row in order]
+    for rows, table in ((scene.lights.alive_rows(), scene.lights), (scene.cameras.alive_rows(), scene.cameras)):
+        for row in rows.tolist():
+            node = nodes[index_of[int(table.node[row])]]
+            if table is scene.lights:
+                node.light = scene.lights.asset(row)
+            else:
+                node.camera = scene.cameras.asset(row)
+    return SceneAsset(
+        name=scene.name,
+        nodes=nodes,
+        clips=list(base.clips) if base else [],
+        environment=copy.copy(scene.environment),
+        look=copy.copy(scene.look),
+        active_camera=index_of.get(scene.active_camera, -1),
+        provenance=dict(base.provenance) if base else {},
+    )
+
+
+def _node_asset(scene: Scene, row: int, index_of: dict[int, int], joint_of: dict[int, int]) -> NodeAsset:
+    table = scene.nodes
+    source = scene.sources.get(row)
+    tx, ty, tz = table.translation[row].tolist()
+    qx, qy, qz, qw = table.rotation[row].tolist()
+    sx, sy, sz = table.scale[row].tolist()
+    matrix = tuple(table.local_matrix(row).T.reshape(16).tolist()) if table.has_matrix[row] else None
+    kept = replace(source, light=None, camera=None) if source else NodeAsset("")
+    return replace(
+        kept,
+        name=table.name[row],
+        parent=index_of.get(int(table.parent[row]), -1),
+        translation=(tx, ty, tz),
+        rotation=(qx, qy, qz, qw),
+        scale=(sx, sy, sz),
+        matrix=matrix,
+        visible=bool(table.visible[row]),
+        joints=[joint_of.get(j, -1) for j in kept.joints],
+    )
+
+
+def _parents_first(scene: Scene) -> list[int]:
+    parent = scene.nodes.parent.tolist()
+    order: list[int] = []
+    done: set[int] = set()
+    for row in scene.nodes.alive_rows().tolist():
+        chain = []
+        while row != -1 and row not in done:
+            chain.append(row)
+            done.add(row)
+            row = parent[row]
+        order.extend(reversed(chain))
+    return order

@@ -1,0 +1,268 @@
+"""InstanceTable: one row per drawable (a mesh's submesh on a node) with its bounding sphere in the world."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from engine.core.errors import InputError
+from engine.math.bounds import largest_scale
+from engine.scene.nodes import NodeTable
+from engine.scene.propagate import apply
+from engine.scene.table import Rows, Table
+
+F8 = NDArray[np.float64]
+F4 = NDArray[np.float32]
+I4 = NDArray[np.int32]
+I8 = NDArray[np.int64]
+
+_SCHEMA = {
+    "node": (np.int32, (), -1),
+    "mesh": (np.int32, (), -1),
+    "submesh": (np.int32, (), 0),
+    "material": (np.int32, (), -1),
+    "visible": (np.bool_, (), True),
+    "bounds_center": (np.float64, (3,), 0.0),
+    "bounds_radius": (np.float32, (), 0.0),
+    "offset": (np.float64, (3,), 0.0),
+    "world_center": (np.float64, (3,), 0.0),
+    "world_radius": (np.float32, (), 0.0),
+    "drawn": (np.bool_, (), False),
+}
+
+
+class InstanceTable(Table):
+    """Drawables by row; `node` names the NodeTable's row. World spheres and `drawn` follow at `update()`.
+
+    A removed row stays as a hole (`alive` and `drawn` false) until it is used again.
+    """
+
+    def __init__(self, nodes: NodeTable) -> None:
+        super().__init__("instance", _SCHEMA)
+        self._nodes = nodes
+        self._stale_spheres = self._stale_drawn = False
+        self._seen = (0, 0)  # the nodes' transform_rev and visible_rev at the last update
+        self._run: slice | None = None  # the node rows, where they are one rising run
+        #: rises with every `update()` that changed a world sphere
+        self.bounds_rev = 0
+        #: rises with every `update()` that looked at visibility again
+        self.drawn_rev = 0
+        #: spheres for culling, f4[5, capacity]: x, y, z from `cull_origin`, radius, 1
+        self._cull = np.ones((5, 0), np.float32)
+        self.cull_origin: F8 = np.zeros(3)
+        #: the largest coordinate and radius in `cull_spheres`: what float32's rounding is relative to
+        self.cull_extent = 0.0
+
+    @property
+    def node(self) -> I4:
+        """i4[n]: row of the node."""
+        return self._view("node")
+
+    @property
+    def mesh(self) -> I4:
+        """i4[n]: mesh id."""
+        return self._view("mesh")
+
+    @property
+    def submesh(self) -> I4:
+        """i4[n]: index of the submesh in its mesh."""
+        return self._view("submesh")
+
+    @property
+    def material(self) -> I4:
+        """i4[n]: material id."""
+        return self._view("material")
+
+    @property
+    def visible(self) -> NDArray[np.bool_]:
+        """bool[n]: the instance's own switch."""
+        return self._view("visible")
+
+    @property
+    def bounds_center(self) -> F8:
+        """f8[n,3]: centre of the bounding sphere, in mesh space."""
+        return self._view("bounds_center")
+
+    @property
+    def bounds_radius(self) -> F4:
+        """f4[n]: radius of the bounding sphere, in mesh space."""
+        return self._view("bounds_radius")
+
+    @property
+    def world_center(self) -> F8:
+        """f8[n,3]: centre in the world, as of the last `update()`."""
+        return self._view("world_center")
+
+    @property
+    def world_radius(self) -> F4:
+        """f4[n]: radius in the world, as of the last `update()`; safe also under shear."""
+        return self._view("world_radius")
+
+    @property
+    def drawn(self) -> NDArray[np.bool_]:
+        """bool[n]: alive, visible, and so is its node with all above, as of the last `update()`."""
+        return self._view("drawn")
+
+    @property
+    def cull_spheres(self) -> F4:
+        """f4[5,n]: x, y, z relative to `cull_origin`, radius, 1."""
+        return self._cull[:, : len(self)]
+
+    def add_many(
+        self,
+        nodes: ArrayLike,
+        meshes: ArrayLike,
+        submeshes: ArrayLike,
+        materials: ArrayLike,
+        bounds_center: ArrayLike,
+        bounds_radius: ArrayLike,
+        visible: ArrayLike = True,
+    ) -> I8:
+        """Add k instances and return their rows i8[k]. Bounds are spheres in mesh space: [k,3] and [k].
+
+        All but `nodes` may also be one value for all. Raises InputError for a node that does not exist, a radius below
+        zero or a bound that is not finite.
+        """
+        node = np.atleast_1d(np.asarray(nodes, np.int64))
+        self._nodes.select(np.unique(node))
+        center, radius = np.asarray(bounds_center, np.float64), np.asarray(bounds_radius, np.float32)
+        if not (np.isfinite(center).all() and np.isfinite(radius).all() and (radius >= 0).all()):
+            raise InputError("instance bounds must be finite, radii at least 0")
+        rows = self._allocate(len(node))
+        where = self.select(rows)
+        columns = ("node", node), ("mesh", meshes), ("submesh", submeshes), ("material", materials)
+        for name, values in (*columns, ("bounds_center", center), ("bounds_radius", radius), ("visible", visible)):
+            self._data[name][where] = values
+        self._stale_spheres = self._stale_drawn = True
+        return rows
+
+    def remove(self, rows: Rows) -> None:
+        """Remove `rows`."""
+        where = self.select(rows)
+        self._release(np.arange(where.start, where.stop) if isinstance(where, slice) else np.unique(where))
+        self._data["node"][where] = -1
+        self._stale_spheres = self._stale_drawn = True
+
+    def remove_of_nodes(self, node_rows: ArrayLike) -> I8:
+        """Remove all instances on `node_rows`; return the rows removed."""
+        rows = np.flatnonzero(self.alive & np.isin(self.node, node_rows))
+        if rows.size:
+            self.remove(rows)
+        return rows
+
+    def set_visible(self, rows: Rows, values: ArrayLike) -> None:
+        """Set the instances' own visibility, bool [k] or one for all."""
+        self._data["visible"][self.select(rows)] = np.asarray(values, np.bool_)
+        self._stale_drawn = True
+
+    def set_material(self, rows: Rows, materials: ArrayLike) -> None:
+        """Set material ids [k] or one for all."""
+        self._data["material"][self.select(rows)] = materials
+        self.structure_rev += 1
+
+    def set_bounds(self, rows: Rows, centers: ArrayLike, radii: ArrayLike) -> None:
+        """Set the spheres in mesh space, [k,3] and [k]."""
+        where = self.select(rows)
+        self._data["bounds_center"][where] = centers
+        self._data["bounds_radius"][where] = radii
+        self._stale_spheres = True
+
+    def update(self) -> None:
+        """Bring world spheres and `drawn` up to date with the nodes, which must have been updated first."""
+        nodes = self._nodes
+        seen = (nodes.transform_rev, nodes.visible_rev)
+        if not (self._stale_spheres or self._stale_drawn or seen != self._seen):
+            return
+        if self._stale_drawn or seen[1] != self._seen[1]:
+            self._update_drawn()
+        if self._stale_spheres or seen[0] > self._seen[0] + 1:
+            self._update_all()
+        elif seen[0] != self._seen[0]:
+            self._update_changed()
+        self._seen = seen
+
+    def _update_drawn(self) -> None:
+        self._stale_drawn = False
+        self.drawn_rev += 1
+        data, count = self._data, len(self)
+        drawn = data["alive"][:count] & data["visible"][:count]
+        if count and len(self._nodes):
+            drawn &= self._nodes.visible_world[data["node"][:count]]
+        data["drawn"][:count] = drawn
+
+    def _update_all(self) -> None:
+        self._stale_spheres = False
+        count, node = len(self), self.node
+        capacity = len(self._data["alive"])
+        if self._cull.shape[1] != capacity:
+            self._cull = np.ones((5, capacity), np.float32)
+        self._run = None
+        if count and self.alive_count == count and node[-1] - node[0] == count - 1 and (np.diff(node) == 1).all():
+            self._run = slice(int(node[0]), int(node[-1]) + 1)
+        # a removed row's node is -1: it reads some node's transform, and nobody reads it
+        everything = slice(0, count)
+        if count and len(self._nodes):
+            self._turn(everything)
+            self._move(everything, recentre=True)
+
+    def _update_changed(self) -> None:
+        nodes, node, rev = self._nodes, self.node, self._nodes.transform_rev
+        if len(self) == 0:
+            return
+        if len(nodes.changed) == nodes.alive_count:
+            rows: slice | I8 = slice(0, len(self))
+        else:
+            rows = np.flatnonzero(nodes.world_rev[node] == rev)
+            if rows.size == 0:
+                return
+        if len(nodes.changed_linear) == nodes.alive_count:
+            self._turn(rows)
+        elif len(nodes.changed_linear):
+            turned = np.flatnonzero(nodes.turn_rev[node] == rev)
+            if turned.size:
+                self._turn(turned)
+        self._move(rows)
+
+    def _turn(self, rows: slice | I8) -> None:
+        """Recompute what depends on the linear part: the centre's offset from the node, and the radius."""
+        data = self._data
+        whole = isinstance(rows, slice)
+        linear = self._nodes.world[self._run if whole and self._run else data["node"][rows], :, :3]
+        with np.errstate(over="ignore", invalid="ignore"):
+            data["offset"][rows] = apply(linear, data["bounds_center"][rows])
+            radius = largest_scale(linear) * data["bounds_radius"][rows]
+            # rounded up, so that float32 never makes a sphere smaller
+            data["world_radius"][rows] = radius * (1.0 + 2.0**-23)
+        self._cull[3, rows] = data["world_radius"][rows]
+
+    def _move(self, rows: slice | I8, recentre: bool = False) -> None:
+        data, nodes = self._data, self._nodes
+        whole = isinstance(rows, slice)
+        position = nodes.world[self._run if whole and self._run else data["node"][rows], :, 3]
+        with np.errstate(over="ignore", invalid="ignore"):
+            if whole:
+                center = np.add(position, data["offset"][rows], out=data["world_center"][rows])
+            else:
+                center = position + data["offset"][rows]
+                data["world_center"][rows] = center
+            if recentre:
+                self.cull_origin = _middle(center[self.alive])
+            for axis in range(3):
+                self._cull[axis, rows] = center[:, axis] - self.cull_origin[axis]
+            self.cull_extent = _extent(self.cull_spheres[:4])
+        self.bounds_rev += 1
+
+
+def _middle(centers: F8) -> F8:
+    finite = centers[np.isfinite(centers).all(axis=1)]
+    if len(finite) == 0:
+        return np.zeros(3)
+    middle: F8 = np.rint((finite.min(axis=0) + finite.max(axis=0)) / 2.0)
+    return middle
+
+
+def _extent(values: F4) -> float:
+    if values.size == 0:
+        return 0.0
+    extent = float(max(values.max(), -values.min()))
+    return extent if np.isfinite(extent) else float(np.abs(values[np.isfinite(values)]).max(initial=0.0))

@@ -1,0 +1,137 @@
+"""Table: growing numpy columns with stable row numbers, a free list and generations."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, DTypeLike, NDArray
+
+from engine.core.errors import InputError
+
+Rows = ArrayLike | slice
+#: name -> (dtype, shape of one row, value of a fresh row)
+Schema = Mapping[str, tuple[DTypeLike, tuple[int, ...], Any]]
+
+_COMMON: Schema = {"alive": (np.bool_, (), False), "generation": (np.uint32, (), 0)}
+
+
+class Table:
+    """Columns of equal length. `len(table)` counts row numbers in use or free; `alive` tells which hold something.
+
+    Removing a row frees its number and raises its generation; `count` rows added after removing as many get the same
+    numbers in the same order. Growth is amortised (capacity doubles).
+    """
+
+    def __init__(self, what: str, schema: Schema) -> None:
+        self.what = what
+        #: rises with every added or removed row and with every change of who hangs on whom
+        self.structure_rev = 0
+        self._schema: Schema = {**schema, **_COMMON}
+        self._data: dict[str, NDArray[Any]] = {n: np.empty((0, *s), t) for n, (t, s, _) in self._schema.items()}
+        self._views: dict[str, NDArray[Any]] = {}
+        self._count = 0
+        self._free: list[int] = []
+
+    def __len__(self) -> int:
+        return self._count
+
+    @property
+    def alive(self) -> NDArray[np.bool_]:
+        """bool[n]: which rows hold something."""
+        return self._view("alive")
+
+    @property
+    def generation(self) -> NDArray[np.uint32]:
+        """u4[n]: how often the row's number was freed."""
+        return self._view("generation")
+
+    @property
+    def alive_count(self) -> int:
+        return self._count - len(self._free)
+
+    def alive_rows(self) -> NDArray[np.int64]:
+        return np.flatnonzero(self.alive)
+
+    def select(self, rows: Rows) -> slice | NDArray[np.int64]:
+        """Return `rows` checked: a slice where they are a rising run without gaps, else i8[k].
+
+        Accepts one number, a sequence, a bool mask or a slice. Raises InputError for a row that does not exist.
+        """
+        if isinstance(rows, slice):
+            start, stop, step = rows.indices(self._count)
+            if step != 1:
+                return self.select(np.arange(start, stop, step))
+            stop = max(start, stop)
+            if self._free and not self._data["alive"][start:stop].all():
+                raise InputError(f"slice {start}:{stop} holds removed {self.what} rows")
+            return slice(start, stop)
+        array = np.asarray(rows)
+        if array.dtype == np.bool_:
+            array = np.flatnonzero(array)
+        array = np.atleast_1d(array).astype(np.int64, copy=False)
+        if array.size == 0:
+            return slice(0, 0)
+        first, last = int(array[0]), int(array[-1])
+        if last - first == array.size - 1 and (array.size < 3 or bool((array[1:] - array[:-1] == 1).all())):
+            low, high = first, last
+            result: slice | NDArray[np.int64] = slice(first, last + 1)
+        else:
+            low, high = int(array.min()), int(array.max())
+            result = array
+        if low < 0 or high >= self._count:
+            raise InputError(f"no {self.what} row {low if low < 0 else high}", hint=f"there are {self._count}")
+        if self._free and not self._data["alive"][result].all():
+            dead = array[~self._data["alive"][array]]
+            raise InputError(f"{self.what} row {dead[0]} was removed")
+        return result
+
+    def _view(self, name: str) -> NDArray[Any]:
+        view = self._views.get(name)
+        if view is None:
+            view = self._data[name][: self._count]
+            view.flags.writeable = False
+            self._views[name] = view
+        return view
+
+    def _allocate(self, count: int) -> NDArray[np.int64]:
+        """Return `count` fresh rows, set to the schema's values."""
+        if 0 < count <= len(self._free):
+            rows = np.array(self._free[-count:], np.int64)
+            del self._free[-count:]
+        else:
+            self._reserve(self._count + count)
+            rows = np.arange(self._count, self._count + count)
+            self._count += count
+            self._views.clear()
+        where = _run(rows)
+        for name, (_, _, value) in self._schema.items():
+            if name != "generation":
+                self._data[name][where] = value
+        self._data["alive"][where] = True
+        self.structure_rev += 1
+        return rows
+
+    def _release(self, rows: NDArray[np.int64]) -> None:
+        self._data["alive"][rows] = False
+        self._data["generation"][rows] += np.uint32(1)
+        self._free.extend(rows.tolist())
+        self.structure_rev += 1
+
+    def _reserve(self, count: int) -> None:
+        capacity = len(self._data["alive"])
+        if count <= capacity:
+            return
+        capacity = max(count, 2 * capacity, 64)
+        for name, (dtype, shape, value) in self._schema.items():
+            grown = np.full((capacity, *shape), value, dtype)
+            grown[: self._count] = self._data[name][: self._count]
+            self._data[name] = grown
+        self._views.clear()
+
+
+def _run(rows: NDArray[np.int64]) -> slice | NDArray[np.int64]:
+    if rows.size and rows[-1] - rows[0] == rows.size - 1 and (np.diff(rows) == 1).all():
+        return slice(int(rows[0]), int(rows[-1]) + 1)
+    return rows

@@ -1,0 +1,120 @@
+"""Checks of any file that we know: sources by importing them in memory, engine files by their readers and references."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from engine.core.errors import InputError
+from engine.core.findings import Findings
+from importers.registry import find_importer, source_extensions
+from importers.settings import ImportSettings
+
+#: ending -> kind of our own files; the longer endings first
+ENGINE_FILES = {
+    ".scene.json": "scene",
+    ".material.toml": "material",
+    ".effect.toml": "effect",
+    ".lmesh": "mesh",
+    ".lanim": "clip",
+    ".dds": "texture",
+}
+
+
+def engine_kind(path: Path) -> str:
+    """Which of our files `path` is by its name, or ''."""
+    name = path.name.lower()
+    return next((kind for ending, kind in ENGINE_FILES.items() if name.endswith(ending)), "")
+
+
+def checkable_files(path: Path) -> list[Path]:
+    """`path` itself, or all sources and engine files below it, sorted. Raises InputError where there are none."""
+    if not path.is_dir():
+        return [path]
+    known = source_extensions()
+    found = sorted(
+        p for p in path.rglob("*") if p.is_file() and (p.suffix.lower() in known or engine_kind(p))
+    )  # fmt: skip
+    if not found:
+        raise InputError("the folder holds nothing that can be checked", where=path)
+    return found
+
+
+def check_file(path: Path, settings: ImportSettings) -> Findings:
+    """All findings of one file. Raises InputError or FormatError where it cannot be read at all."""
+    kind = engine_kind(path)
+    findings = Findings(str(path))
+    if kind == "scene":
+        _check_scene(path, findings)
+    elif kind == "material":
+        _check_material(path, findings)
+    elif kind == "effect":
+        from engine.materials.effect import load_effect
+
+        load_effect(path)
+    elif kind == "mesh":
+        from engine.assets.lmesh import read_lmesh
+
+        read_lmesh(path)
+    elif kind == "clip":
+        from engine.assets.lanim import read_lanim
+
+        read_lanim(path)
+    elif kind == "texture":
+        from engine.assets.dds import read_dds
+
+        read_dds(path)
+    else:
+        return _check_source(path, settings)
+    return findings
+
+
+def _check_source(path: Path, settings: ImportSettings) -> Findings:
+    from importers.textures.image import decode
+
+    model = find_importer(path).load(path, settings)
+    used = sorted({use.image for material in model.materials for use in material.images.values()})
+    for image in used:
+        source = model.images[image]
+        data = source.data()
+        if data is None:
+            continue
+        try:
+            decode(data, source.path, settings)
+        except InputError as error:
+            model.findings.error("texture.image", f"cannot be decoded: {error.message}", source.path, error.hint)
+    return model.findings
+
+
+def _check_scene(path: Path, findings: Findings) -> None:
+    from engine.assets.scene_json import read_scene
+
+    scene = read_scene(path, findings)
+    wanted: dict[str, str] = {}
+    for number, node in enumerate(scene.nodes):
+        if node.mesh is not None:
+            wanted.setdefault(node.mesh.file, f"nodes[{number}].mesh.file")
+            for slot, material in enumerate(node.mesh.materials):
+                wanted.setdefault(material, f"nodes[{number}].mesh.materials[{slot}]")
+    for number, clip in enumerate(scene.clips):
+        wanted.setdefault(clip, f"clips[{number}]")
+    if scene.environment.kind == "image":
+        wanted.setdefault(scene.environment.path, "environment.path")
+    _report_missing(path.parent, wanted, findings)
+
+
+def _check_material(path: Path, findings: Findings) -> None:
+    from engine.assets.material_toml import read_material
+
+    wanted: dict[str, str] = {}
+    for slot, texture in read_material(path).textures.items():
+        if texture.path:
+            wanted.setdefault(texture.path, f"textures.{slot}.path")
+        else:
+            findings.warn("material.texture", "the texture is wanted but missing; it draws as magenta", f"textures.{slot}")
+    _report_missing(path.parent, wanted, findings)
+
+
+def _report_missing(folder: Path, wanted: dict[str, str], findings: Findings) -> None:
+    for name, where in wanted.items():
+        if name and not (folder / name).is_file():
+            findings.error("reference.missing", f"the file {name!r} is not there", where, "convert the source again")

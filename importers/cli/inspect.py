@@ -1,0 +1,56 @@
+"""`lucarna inspect FILE`: describe any source or engine file."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from importers.cli.output import print_findings, print_json
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("file", metavar="FILE", help="a source, .lmesh, .lanim, .dds, .material.toml, .scene.json …")
+    parser.add_argument("--allow-outside", action="store_true", help="follow URIs that leave the source's folder")
+    parser.add_argument("--json", action="store_true", help="print one JSON value instead of text")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Exit code 1 where the file has errors, as `check` has."""
+    from importers.inspection import describe
+    from importers.settings import ImportSettings
+
+    description, findings = describe(Path(args.file), ImportSettings(allow_outside=args.allow_outside))
+    if args.json:
+        print_json(description | {"findings": [finding.to_json() for finding in findings]})
+    else:
+        print("\n".join(_lines(description, 0)))
+        print_findings(findings)
+    return 1 if findings.has_errors else 0
+
+
+def _lines(values: dict[str, Any], depth: int) -> list[str]:
+    """The description as indented text: small values on one line, lists of objects one line each."""
+    indent, lines = "  " * depth, []
+    for key, value in values.items():
+        if value in (None, "", [], {}):
+            continue
+        title = key.replace("_", " ")
+        if isinstance(value, dict) and any(isinstance(v, (dict, list)) for v in value.values()) and depth == 0:
+            lines += [f"{indent}{title}:", *_lines(value, depth + 1)]
+        elif isinstance(value, list) and value and isinstance(value[0], dict):
+            lines.append(f"{indent}{title}: {len(value)}")
+            lines += [f"{indent}  {_short(item)}" for item in value]
+        else:
+            lines.append(f"{indent}{title}: {_short(value)}")
+    return lines
+
+
+def _short(value: Any) -> str:
+    if isinstance(value, dict):
+        parts = [f"{k.replace('_', ' ')} {_short(v)}" for k, v in value.items() if v not in (None, "", [], {}) or v == 0]
+        return ", ".join(parts)
+    if isinstance(value, list):
+        numbers = all(isinstance(v, (int, float)) for v in value)
+        return "[" + (" " if numbers else ", ").join(map(_short, value)) + "]"
+    return f"{value:,}" if isinstance(value, int) and not isinstance(value, bool) else str(value)

@@ -1,0 +1,266 @@
+"""An engine without engine: a small scene, a fake residency and a runtime that paints from them on the CPU.
+
+It has the surface the editor uses and nothing more, so UI tests need no GPU, no shaders and no importer."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from editor.host import Cancelled, Resolved
+from engine.assets.material import MaterialAsset, TextureRef
+from engine.assets.scene import CameraAsset, EnvironmentAsset, LightAsset, LookAsset, NodeAsset, SceneAsset
+from engine.core.errors import FormatError
+from engine.core.findings import Findings
+from engine.core.param import Param, ParamBlock, param
+from engine.gpu.types import Caps
+from engine.report.stats import FrameStats, PassStat
+
+
+class Settings(ParamBlock):
+    exposure: float = param(0.0, min=-20.0, max=20.0, step=0.1, unit="EV", doc="added to the scene's exposure")
+    tone_map: str = param("scene", choices=("scene", "none", "agx"), doc="curve to the display")
+    environment_rotation: float = param(0.0, min=-360.0, max=360.0, unit="deg", doc="turns the environment")
+    view: str = param("lit", choices=("lit", "normal"), doc="debug view")
+    force_all: bool = param(False, doc="leave nothing out")
+
+
+class Nodes:
+    """A node table: name, parent, translation, rotation, scale, visible, alive."""
+
+    def __init__(self, rows: list[tuple[str, int]]) -> None:
+        n = len(rows)
+        self.name = [name for name, _ in rows]
+        self.parent = np.array([parent for _, parent in rows], np.int32)
+        self.translation = np.zeros((n, 3))
+        self.rotation = np.tile([0.0, 0.0, 0.0, 1.0], (n, 1))
+        self.scale = np.ones((n, 3))
+        self.visible = np.ones(n, bool)
+        self.alive = np.ones(n, bool)
+        self.rev = 0
+
+    def set_translation(self, rows: Any, values: Any) -> None:
+        self.translation[rows] = values
+        self.rev += 1
+
+    def set_rotation(self, rows: Any, values: Any) -> None:
+        self.rotation[rows] = values
+        self.rev += 1
+
+    def set_scale(self, rows: Any, values: Any) -> None:
+        self.scale[rows] = values
+        self.rev += 1
+
+    def set_visible(self, rows: Any, values: Any) -> None:
+        self.visible[rows] = values
+        self.rev += 1
+
+    @property
+    def visible_world(self) -> Any:
+        shown = self.visible.copy()
+        for row, parent in enumerate(self.parent):
+            if parent >= 0:
+                shown[row] &= shown[parent]
+        return shown
+
+    def world_matrix(self, row: int) -> Any:
+        matrix = np.eye(4)
+        matrix[:3, :3] = np.diag(self.scale[row])
+        matrix[:3, 3] = self.translation[row]
+        parent = int(self.parent[row])
+        return self.world_matrix(parent) @ matrix if parent >= 0 else matrix
+
+
+@dataclass
+class Scene:
+    nodes: Nodes
+    instances: Any
+    lights: Any
+    cameras: Any
+    environment: EnvironmentAsset = field(default_factory=EnvironmentAsset)
+    look: LookAsset = field(default_factory=LookAsset)
+    structure_rev: int = 1
+
+    @property
+    def transform_rev(self) -> int:
+        return self.nodes.rev
+
+    def update(self) -> None:
+        pass
+
+    def bounds(self) -> tuple[Any, Any]:
+        return np.full(3, -1.0), np.full(3, 1.0)
+
+
+EFFECT = SimpleNamespace(
+    name="surface",
+    params=(
+        Param("base_color", "color4", (1.0, 1.0, 1.0, 1.0), 0.0, 1.0, doc="colour of the surface"),
+        Param("roughness", "float", 1.0, 0.0, 1.0, doc="0 is a mirror"),
+        Param("metallic", "float", 1.0, 0.0, 1.0),
+        Param("emissive", "color3", (0.0, 0.0, 0.0), 0.0, 1000.0),
+        Param("alpha_cutoff", "float", 0.5, 0.0, 1.0),
+    ),
+    textures=(
+        SimpleNamespace(name="base_color_map", doc="sRGB"),
+        SimpleNamespace(name="normal_map", doc="+Y"),
+    ),
+)
+
+
+class Residency:
+    def __init__(self) -> None:
+        paint = MaterialAsset("paint", params={"roughness": 0.4})
+        paint.textures["base_color_map"] = TextureRef("paint.dds")
+        self.records = [
+            SimpleNamespace(asset=paint, effect=EFFECT, path="/nowhere/paint.material.toml"),
+            SimpleNamespace(asset=MaterialAsset("steel"), effect=EFFECT, path=""),
+        ]
+        part = SimpleNamespace(
+            index_count=36, topology="triangles", bounds_min=(-0.5, -0.5, -0.5), bounds_max=(0.5, 0.5, 0.5)
+        )
+        mesh = SimpleNamespace(name="box", submeshes=[part], vertex_count=24, layout=("position", "normal", "uv0"))
+        self._mesh = SimpleNamespace(asset=mesh)
+        self.structure_rev = 1
+
+    def material(self, material: int) -> Any:
+        return self.records[material]
+
+    def mesh(self, mesh: int) -> Any:
+        return self._mesh
+
+    def set_material_param(self, material: int, name: str, value: Any) -> None:
+        self.records[material].asset.params[name] = value
+
+
+class Picture:
+    """A texture whose pixels are made of the state that a real picture would show."""
+
+    native = 0
+
+    def __init__(self, pixels: Any) -> None:
+        self._pixels = pixels
+
+    def read(self, **_: Any) -> Any:
+        return self._pixels
+
+
+class FakeRuntime:
+    def __init__(self, extra_nodes: int = 0) -> None:
+        rows = [("root", -1), ("body", 0), ("lid", 1), ("lamp", 0), ("eye", -1)]
+        rows += [(f"part {i}", 0) for i in range(extra_nodes)]
+        nodes = Nodes(rows)
+        nodes.translation[2] = (0.0, 1.0, 0.0)
+        n = 2
+        instances = SimpleNamespace(
+            node=np.array([1, 2], np.int32), mesh=np.zeros(n, np.int32), submesh=np.zeros(n, np.int32),
+            material=np.array([0, 1], np.int32), visible=np.ones(n, bool),
+        )  # fmt: skip
+        lights = SimpleNamespace(
+            node=np.array([3]), type=np.array([2]), color=np.ones((1, 3), np.float32),
+            intensity=np.array([40.0], np.float32), range=np.zeros(1, np.float32),
+            inner=np.zeros(1, np.float32), outer=np.full(1, 0.7, np.float32),
+        )  # fmt: skip
+        cameras = SimpleNamespace(node=np.array([4]), yfov=np.array([0.8]), znear=np.array([0.05]))
+        self.scene = Scene(nodes, instances, lights, cameras)
+        assets = [NodeAsset(name, parent) for name, parent in rows]
+        assets[3].light, assets[4].camera = LightAsset("spot"), CameraAsset()
+        self.asset = SceneAsset("fake", assets)
+        self.residency = Residency()
+        self.clips: list[Any] = []
+        self.duration = 2.0
+        self.time = 0.0
+        self.closed = False
+        self.picked = -1
+        self.broken = False
+
+    def update(self, time_s: float = 0.0) -> None:
+        self.time = time_s
+
+    def default_camera(self, aspect: float) -> Any:
+        matrix = np.eye(4)
+        matrix[:3, 3] = (0.0, 0.5, 4.0)
+        return SimpleNamespace(world_from_camera=matrix, yfov=0.7)
+
+    def render(self, view: Any) -> Any:
+        if self.broken:
+            raise FormatError("the fake cannot draw")
+        values = [self.residency.records[0].asset.params.get("roughness", 1.0), view.settings.exposure / 20 + 0.5]
+        pixels = np.zeros((8, 8, 4), np.uint8)
+        pixels[..., :2] = np.clip(np.array(values) * 255, 0, 255)
+        pixels[..., 2] = 40 * int(self.scene.nodes.visible_world.sum()) % 256
+        pixels[..., 3] = 255
+        stats = FrameStats([PassStat("forward", 2.0, "wall"), PassStat("tone_map", 0.5, "wall")], 3.0)
+        stats.counters.update(draws=2, triangles=24)
+        left_out = [SimpleNamespace(name="shadows", reason="no light casts any", saved="1 pass")]
+        return SimpleNamespace(color=Picture(pixels), stats=stats, graph=SimpleNamespace(left_out=left_out))
+
+    def pick(self, view: Any, x: float, y: float) -> int:
+        return self.picked
+
+    def close(self) -> None:
+        self.closed = True
+
+
+class FakeDevice:
+    caps = Caps("null", "fake device", "0", True, True, True, True, 4096, 256, 1.0, 1 << 20, 64, False)
+
+    def __init__(self) -> None:
+        self.frames = 0
+        self.open_frame = False
+
+    def begin_frame(self) -> None:
+        assert not self.open_frame
+        self.open_frame = True
+
+    def end_frame(self) -> None:
+        assert self.open_frame
+        self.open_frame = False
+        self.frames += 1
+
+
+class FakeHost:
+    """`bad` paths fail to resolve, `slow` ones wait until they are cancelled; a scene named `broken` does not open."""
+
+    def __init__(self, extra_nodes: int = 0) -> None:
+        self.device = FakeDevice()
+        self.runtimes: list[FakeRuntime] = []
+        self.extra_nodes = extra_nodes
+
+    def open_device(self, attach: bool) -> Any:
+        return self.device
+
+    def resolve(self, path: Path, progress: Any) -> Resolved:
+        import time
+
+        progress("Reading", 0.1)
+        if "bad" in path.name:
+            raise FormatError("is not a model", where=path, hint="check the file")
+        while "slow" in path.name:
+            time.sleep(0.005)
+            progress("Waiting", 0.5)
+        findings = Findings(str(path))
+        findings.warn("fake.odd", "something odd", "nodes[0]")
+        return Resolved(path, path.with_suffix(".scene.json"), None, "", findings)
+
+    def open_runtime(self, device: Any, scene: Path) -> Any:
+        if "broken" in scene.name:
+            raise FormatError("the scene is damaged", where=scene)
+        self.runtimes.append(FakeRuntime(self.extra_nodes))
+        return self.runtimes[-1]
+
+    def new_settings(self) -> ParamBlock:
+        return Settings()
+
+    def view(self, camera: Any, width: int, height: int, settings: Any) -> Any:
+        return SimpleNamespace(camera=camera, width=width, height=height, settings=settings)
+
+    def source_extensions(self) -> tuple[str, ...]:
+        return (".glb", ".gltf")
+
+
+__all__ = ["Cancelled", "FakeDevice", "FakeHost", "FakeRuntime", "Settings"]
