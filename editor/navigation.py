@@ -93,6 +93,7 @@ def hints(preset: str) -> list[tuple[str, str]]:
     for binding in PRESETS.get(preset, PRESETS[DEFAULT_PRESET]):
         if binding.motion in words and binding.motion not in found:
             modifiers = "".join(f"{m.capitalize()} + " for m in ("ctrl", "alt", "shift") if m in binding.modifiers)
-            found[binding.motion] = modifiers + buttons[binding.button]
+            gesture = modifiers + buttons[binding.button]
+            found[binding.motion] = gesture[:1].upper() + gesture[1:]
     rows = [(found[m], words[m]) for m in words if m in found]
     return [*rows, ("Wheel", "Zoom to the pointer"), ("F  /  A", "Frame the selection / everything")]

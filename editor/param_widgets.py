@@ -101,12 +101,10 @@ def filled_slider(label: str, value: float, low: float, high: float, format: str
     fill = theme.FILL_ACTIVE if hovered else theme.FILL
     if right - left > 1.0:
         lines.add_rect_filled((left, start.y), (right, start.y + height), theme.u32(fill), rounding)
-    if low < 0.0 < high:
-        lines.add_line(
-            (start.x + origin * width, start.y + 2),
-            (start.x + origin * width, start.y + height - 2),
-            theme.u32(theme.FAINT),
-        )
+    if low < 0.0 < high:  # where zero is: short ticks, clear of the number
+        x, tick = start.x + origin * width, height * 0.16
+        for y0, y1 in ((start.y, start.y + tick), (start.y + height - tick, start.y + height)):
+            lines.add_line((x, y0), (x, y1), theme.u32(theme.FAINT))
     clear = imgui.ImVec4(0, 0, 0, 0)
     names = ("frame_bg", "frame_bg_hovered", "frame_bg_active", "slider_grab", "slider_grab_active")
     for name in names:

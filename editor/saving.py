@@ -15,16 +15,15 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path, PurePosixPath
 from typing import Any
 
+import numpy as np
+
 from editor.document import Document
 from editor.opening import scene_stem
 from engine.assets.material import MaterialAsset
-from engine.assets.scene import SceneAsset
+from engine.assets.scene import NodeAsset, SceneAsset
 from engine.core.atomic import atomic_path
 from engine.core.errors import OutputError
 from engine.core.paths import user_cache_dir
-
-#: table column -> field of LightAsset or CameraAsset where the names differ
-_FIELDS = {"inner": "inner_angle", "outer": "outer_angle"}
 
 
 def default_target(document: Document) -> Path | None:
@@ -80,14 +79,11 @@ def edited_scene(runtime: Any, overrides: Mapping[tuple[str, str, int], Any]) ->
     scene = runtime.scene
     for (table, column, row), value in overrides.items():
         if table == "nodes":
-            node = asset.nodes[row]
-            setattr(node, column, value)
-            if column in {"translation", "rotation", "scale"}:
-                node.matrix = None
+            _apply_to_node(asset.nodes[row], column, value)
         elif table == "lights":
             light = asset.nodes[int(scene.lights.node[row])].light
             if light is not None:
-                setattr(light, _FIELDS.get(column, column), value)
+                setattr(light, column, value)
         elif table == "cameras":
             camera = asset.nodes[int(scene.cameras.node[row])].camera
             if camera is not None:
@@ -95,6 +91,17 @@ def edited_scene(runtime: Any, overrides: Mapping[tuple[str, str, int], Any]) ->
         elif table in {"environment", "look"}:
             setattr(getattr(asset, table), column, value)
     return asset
+
+
+def _apply_to_node(node: NodeAsset, column: str, value: Any) -> None:
+    if column == "local":
+        node.translation, node.rotation, node.scale, matrix = value
+        # ours is by rows, the file's by columns
+        node.matrix = None if matrix is None else tuple(float(v) for v in np.array(matrix).T.ravel())
+        return
+    setattr(node, column, value)
+    if column in {"translation", "rotation", "scale"}:
+        node.matrix = None
 
 
 def edited_materials(residency: Any, overrides: Mapping[tuple[str, str, int], Any]) -> dict[Path, MaterialAsset]:

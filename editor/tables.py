@@ -35,29 +35,48 @@ def plain(value: Any) -> Any:
     return value
 
 
-class ColumnTable:
-    """A table whose columns are arrays on one object; `setters` names the columns that have a method of their own."""
+class NodeColumns:
+    """Nodes. `local` is (translation, rotation, scale, matrix or None) in one: where the linear part is a matrix that
+    no rotation and scale can say, setting a part of it and taking that back must bring the matrix back."""
 
-    def __init__(self, table: Any, setters: Mapping[str, str] | None = None) -> None:
-        self._table = table
-        self._setters = setters or {}
+    def __init__(self, nodes: Any) -> None:
+        self._nodes = nodes
 
     def read(self, column: str, rows: Sequence[int]) -> tuple[Any, ...]:
-        values = getattr(self._table, column)
+        if column == "local":
+            return tuple(self._local(row) for row in rows)
+        values = getattr(self._nodes, column)
         return tuple(plain(values[row]) for row in rows)
 
     def write(self, column: str, rows: Sequence[int], values: Sequence[Any]) -> None:
-        setter = self._setters.get(column)
-        if setter is not None:
-            current = np.asarray(getattr(self._table, column))
-            getattr(self._table, setter)(np.asarray(rows, dtype=np.int64), np.asarray(values, dtype=current.dtype))
+        if column == "local":
+            for row, (translation, rotation, scale, matrix) in zip(rows, values, strict=True):
+                self._nodes.set_trs([row], [translation], [rotation], [scale])
+                if matrix is not None:
+                    self._nodes.set_matrix(row, np.array(matrix))
             return
-        array = getattr(self._table, column)
+        dtype = np.bool_ if column == "visible" else np.float64
+        setter = getattr(self._nodes, f"set_{column}")
+        setter(np.asarray(rows, dtype=np.int64), np.asarray(values, dtype=dtype))
+
+    def _local(self, row: int) -> tuple[Any, ...]:
+        nodes = self._nodes
+        matrix = plain(nodes.local_matrix(row)) if nodes.has_matrix[row] else None
+        return plain(nodes.translation[row]), plain(nodes.rotation[row]), plain(nodes.scale[row]), matrix
+
+
+class AssetTable:
+    """Lights or cameras: a table that gives a row as an asset record and sets its fields by name, checked."""
+
+    def __init__(self, table: Any) -> None:
+        self._table = table
+
+    def read(self, column: str, rows: Sequence[int]) -> tuple[Any, ...]:
+        return tuple(plain(getattr(self._table.asset(row), column)) for row in rows)
+
+    def write(self, column: str, rows: Sequence[int], values: Sequence[Any]) -> None:
         for row, value in zip(rows, values, strict=True):
-            array[row] = value
-        touch = getattr(self._table, "touch", None)
-        if touch is not None:
-            touch()
+            self._table.set(row, **{column: value})
 
 
 class RecordTable:
@@ -98,17 +117,9 @@ def tables_of(runtime: Runtime) -> dict[str, Table]:
     """Every editable table of an open runtime."""
     scene = runtime.scene
     return {
-        "nodes": ColumnTable(
-            scene.nodes,
-            {
-                "translation": "set_translation",
-                "rotation": "set_rotation",
-                "scale": "set_scale",
-                "visible": "set_visible",
-            },
-        ),
-        "lights": ColumnTable(scene.lights),
-        "cameras": ColumnTable(scene.cameras),
+        "nodes": NodeColumns(scene.nodes),
+        "lights": AssetTable(scene.lights),
+        "cameras": AssetTable(scene.cameras),
         "materials": MaterialTable(runtime.residency),
         "environment": RecordTable(scene.environment),
         "look": RecordTable(scene.look),

@@ -84,7 +84,8 @@ def apply(scale: float = 1.0) -> None:
     style.scrollbar_size = 12
     style.grab_min_size = 10
     style.window_border_size = style.child_border_size = style.popup_border_size = 1
-    style.frame_border_size = style.tab_border_size = 0
+    style.tab_border_size = 0
+    style.frame_border_size = 1
     style.tab_bar_border_size = 1
     style.tab_bar_overline_size = 2
     style.window_rounding = style.popup_rounding = 6

@@ -8,7 +8,6 @@ A folder is made aside and renamed into place: it is there whole or not at all. 
 from __future__ import annotations
 
 import json
-import os
 import shutil
 import tempfile
 from pathlib import Path
@@ -74,7 +73,7 @@ def _publish(staging: Path, folder: Path, replace: bool) -> None:
     try:
         if replace and folder.exists():
             shutil.rmtree(folder)
-        os.rename(staging, folder)
+        staging.rename(folder)
     except OSError as error:
         # Another process may have published the same content first: then that is the result.
         if not (folder / _RECORD).is_file():

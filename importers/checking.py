@@ -1,4 +1,4 @@
-"""Checks of any file that we know: sources by importing them in memory, engine files by their readers and references."""
+"""Checks of any file that we know: sources are imported in memory, engine files read, and their references followed."""
 
 from __future__ import annotations
 
@@ -110,7 +110,7 @@ def _check_material(path: Path, findings: Findings) -> None:
         if texture.path:
             wanted.setdefault(texture.path, f"textures.{slot}.path")
         else:
-            findings.warn("material.texture", "the texture is wanted but missing; it draws as magenta", f"textures.{slot}")
+            findings.warn("material.texture", "wanted but missing; it draws as magenta", f"textures.{slot}")
     _report_missing(path.parent, wanted, findings)
 
 

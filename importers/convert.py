@@ -1,7 +1,7 @@
 """One source becomes our files: all of them appear in the output folder at the end, or none.
 
-    importer.load -> ImportedModel -> stage: textures (threads, cached by content) + .lmesh + .lanim + materials + scene
-                                      -> os.replace each file into place
+importer.load -> ImportedModel -> stage: textures (threads, cached by content) + .lmesh + .lanim + materials + scene
+                                  -> each file is renamed into place
 """
 
 from __future__ import annotations
@@ -138,13 +138,16 @@ def _staging_folder(out: Path) -> Path:
     """A new folder beside `out`, on the same file system. Raises OutputError."""
     try:
         if out.exists() and not out.is_dir():
-            raise OutputError("the output must be a folder, but a file has that name", where=out, hint="choose another --out")
+            raise OutputError(
+                "the output must be a folder; a file has that name", where=out, hint="choose another --out"
+            )
         parent = out.resolve().parent
         parent.mkdir(parents=True, exist_ok=True)
         return Path(tempfile.mkdtemp(prefix=f".{out.name}.", suffix=".tmp", dir=parent))
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
-        raise OutputError(f"cannot write there: {reason}", where=out, hint="choose a folder that you may write to") from error
+        hint = "choose a folder that you may write to"
+        raise OutputError(f"cannot write there: {reason}", where=out, hint=hint) from error
 
 
 def _publish(staging: Path, out: Path) -> list[Path]:
@@ -159,7 +162,7 @@ def _publish(staging: Path, out: Path) -> list[Path]:
             if target.is_dir():
                 raise OutputError("a folder has the name of an output file", where=target, hint="move it away")
         for file, target in zip(files, targets, strict=True):
-            os.replace(file, target)
+            file.replace(target)
     except OSError as error:
         raise OutputError(
             f"cannot write: {error.strerror or error}", where=out, hint="check the free space and the rights"

@@ -203,7 +203,8 @@ def _texture(path: Path) -> Description:
     texture = read_dds(path)
     return {
         "format": texture.format, "size": [texture.width, texture.height, texture.depth], "layers": texture.layers,
-        "mips": texture.mip_count, "cube": texture.cube, "data_bytes": texture.byte_size, "extras": sorted(texture.extras),
+        "mips": texture.mip_count, "cube": texture.cube, "data_bytes": texture.byte_size,
+        "extras": sorted(texture.extras),
     }  # fmt: skip
 
 

@@ -67,4 +67,5 @@ def find_importer(path: Path) -> Importer:
             if importer.sniff(head):
                 return importer
     known = ", ".join(source_extensions())
-    raise FormatError(f"no importer reads {extension or 'files without an extension'}", where=path, hint=f"known: {known}")
+    what = extension or "files without an extension"
+    raise FormatError(f"no importer reads {what}", where=path, hint=f"known: {known}")

@@ -29,7 +29,6 @@ from sample_shapes import (
     lathe,
     merge,
     planar_uvs,
-    polar,
     ring,
     sphere,
     tube,
@@ -197,7 +196,14 @@ def add_floor(shop: Workshop, root: int) -> None:
     top = annulus(0.0, stone, 64)
     top = merge([top]).with_uvs(planar_uvs(1 / 0.40))
     top.uvs1 = np.stack([top.positions[:, 0], top.positions[:, 2]], 1) / (2 * FLOOR_RADIUS) + 0.5
-    brass = lathe([(inlay, -0.002), (inlay, 0.0006), (stone, 0.0006), (stone, -0.002)], 96, 0.0004, steps=2)
+    brass = lathe(
+        [(inlay, -0.002), (inlay, 0.0006), (stone, 0.0006), (stone, -0.002)],
+        96,
+        0.0004,
+        steps=2,
+        u_repeat=16,
+        v_per_metre=12,
+    )
     edge = lathe(
         [(0.0, -0.032), (FLOOR_RADIUS - 0.012, -0.032), *arc((FLOOR_RADIUS - 0.012, -0.020), 0.012, -90, 0, 4),
          *arc((FLOOR_RADIUS - 0.008, -0.008), 0.008, 0, 90, 4), (inlay, 0.0)],
@@ -207,7 +213,7 @@ def add_floor(shop: Workshop, root: int) -> None:
         "floor",
         [
             (top, shop.materials["stone floor"]),
-            (polar(brass, 8, 12), shop.materials["brushed brass"]),
+            (brass, shop.materials["brushed brass"]),
             (edge, shop.materials["black marble"]),
         ],
     )
@@ -259,7 +265,7 @@ def add_column(shop: Workshop, root: int) -> None:
         (0.0100, 0.318), (0.0100, 0.3205), (0.0050, 0.323), (0.0034, 0.330), (0.0034, SUN_HEIGHT - 0.018),
         (0.0, SUN_HEIGHT - 0.018),
     ]  # fmt: skip
-    column = polar(lathe(profile, 28, 0.0008, steps=2), 4.0, 12.0)
+    column = lathe(profile, 28, 0.0008, steps=2, u_repeat=2, v_per_metre=12)
     shop.part("column", column, "brushed brass", root)
 
 
@@ -272,17 +278,17 @@ def add_frame(shop: Workshop, root: int) -> None:
         [(horizon_r - width / 2 + 0.001, 0.0), (horizon_r - width / 2, -0.0012), (horizon_r - width / 2, -0.0055),
          (horizon_r - width / 2 + 0.002, -0.0075), (horizon_r + width / 2 - 0.002, -0.0075),
          (horizon_r + width / 2, -0.0055), (horizon_r + width / 2, -0.0012), (horizon_r + width / 2 - 0.001, 0.0)],
-        96, 0.0008, steps=2,
+        96, 0.0008, steps=2, u_repeat=12, v_per_metre=12,
     )  # fmt: skip
     mesh = shop.glb.add_mesh(
         "horizon ring",
-        [(band, shop.materials["engraved brass"]), (polar(body, 12, 12), shop.materials["brushed brass"])],
+        [(band, shop.materials["engraved brass"]), (body, shop.materials["brushed brass"])],
     )
     shop.glb.add_node("horizon ring", frame, mesh=mesh, translation=[0, SUN_HEIGHT, 0])
 
-    meridian = ring(0.2475, 0.0052, 0.0105, 112, 0.0012, steps=2)
+    meridian = ring(0.2475, 0.0052, 0.0105, 112, 0.0012, steps=2, u_repeat=12, v_per_metre=12)
     upright = shop.part(
-        "meridian ring", polar(meridian, 12, 12), "brushed brass", frame,
+        "meridian ring", meridian, "brushed brass", frame,
         translation=[0, SUN_HEIGHT, 0], rotation=about("z", math.pi / 2),
     )  # fmt: skip
     # a slender ecliptic, tilted as the Earth's axis is
@@ -374,7 +380,7 @@ def sleeve() -> Mesh:
         (bore, -0.0068), (outer, -0.0068), (outer, -0.0045), (outer - 0.003, -0.0035), (outer - 0.003, 0.0035),
         (outer, 0.0045), (outer, 0.0068), (bore, 0.0068),
     ]  # fmt: skip
-    return polar(lathe(profile, 32, 0.0006, closed=True, steps=2), 3, 12)
+    return lathe(profile, 32, 0.0006, closed=True, steps=2, v_per_metre=12)
 
 
 def cup() -> Mesh:

@@ -17,8 +17,8 @@ import bootstrap
 
 #: file name, and the arguments of `lucarna render` that make it
 PICTURES = (
-    ("orrery.png", ["--time", "0"]),
-    ("orrery-later.png", ["--time", "5"]),
+    ("orrery.png", ["--camera", "main", "--time", "3"]),
+    ("orrery-close.png", ["--camera", "close", "--time", "5"]),
 )
 
 

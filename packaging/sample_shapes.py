@@ -302,7 +302,7 @@ def gear(teeth: int, module: float, thickness: float, bore: float, spokes: int =
     radii = np.array([r for _, r in outline])
     bevel = 0.22 * module
     half = thickness / 2
-    parts = [_toothed_rim(angles, radii, rim_inner, half, bevel)]
+    parts = [polar(_toothed_rim(angles, radii, rim_inner, half, bevel), around=3.0, per_metre=12.0)]
     hub = max(1.9 * bore, 0.16 * pitch)
     if spokes and rim_inner > hub * 1.3:
         for i in range(spokes):
@@ -311,10 +311,12 @@ def gear(teeth: int, module: float, thickness: float, bore: float, spokes: int =
             spoke = tube([(0, 0, d) for d in length], half * 1.25 * swell, 8)
             parts.append(spoke.turned("y", i * TAU / spokes))
     parts.append(
-        lathe([(bore, -half * 1.5), (hub, -half * 1.5), (hub, half * 1.5), (bore, half * 1.5)], 28, bevel, closed=True)
-    )
-    mesh = merge(parts)
-    return polar(mesh, around=3.0, per_metre=12.0)
+        lathe(
+            [(bore, -half * 1.5), (hub, -half * 1.5), (hub, half * 1.5), (bore, half * 1.5)],
+            28, bevel, closed=True, v_per_metre=12,
+        )
+    )  # fmt: skip
+    return merge(parts)
 
 
 def _toothed_rim(angles: Array, radii: Array, inner: float, half: float, bevel: float) -> Mesh:

@@ -7,13 +7,11 @@ from pathlib import Path
 from imgui_bundle import imgui
 
 from editor import icons, theme
-from editor.dialogs.modals import center_next_window
+from editor.dialogs.modals import begin_card, center_next_window
 from editor.navigation import PRESETS, hints
 from editor.ui import Ui
 from editor.widgets import bold, em, pretty, property_grid, property_text, text
 from engine import __version__
-
-FLAGS = imgui.WindowFlags_.no_resize | imgui.WindowFlags_.no_saved_settings | imgui.WindowFlags_.no_title_bar
 
 
 def _hint_table(ui: Ui, name: str) -> None:
@@ -46,7 +44,7 @@ class WelcomeCard:
         if session.ui.welcome and not imgui.is_popup_open(self.NAME):
             imgui.open_popup(self.NAME)
         center_next_window(34)
-        if not imgui.begin_popup_modal(self.NAME, None, FLAGS)[0]:
+        if not begin_card(self.NAME, modal=True):
             return
         imgui.push_font(ui.fonts.bold, theme.FONT_SIZE * 1.5)
         text(icons.APP, theme.ACCENT)
@@ -97,7 +95,7 @@ class HelpCard:
             ui.session.ui.help = False
             imgui.open_popup(self.NAME)
         center_next_window(44)
-        if not imgui.begin_popup(self.NAME, imgui.WindowFlags_.no_saved_settings):
+        if not begin_card(self.NAME, modal=False):
             return
         with bold(ui):
             imgui.text_unformatted(f"{self.NAME}: {pretty(ui.session.preferences.keymap)} keymap")
@@ -129,7 +127,7 @@ class AboutCard:
             ui.session.ui.about = False
             imgui.open_popup(self.NAME)
         center_next_window(34)
-        if not imgui.begin_popup(self.NAME, imgui.WindowFlags_.no_saved_settings):
+        if not begin_card(self.NAME, modal=False):
             return
         with bold(ui):
             imgui.text_unformatted(f"{icons.APP}  Lucarna {__version__}")

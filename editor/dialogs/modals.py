@@ -20,6 +20,18 @@ def center_next_window(width: float) -> None:
     imgui.set_next_window_size((em(width), 0), imgui.Cond_.always)
 
 
+def begin_card(name: str, *, modal: bool, flags: int = 0) -> bool:
+    """Begin a popup with more room round its content; when True, draw it and call imgui.end_popup()."""
+    imgui.push_style_var(imgui.StyleVar_.window_padding, (em(1.1), em(0.95)))
+    flags |= imgui.WindowFlags_.no_saved_settings | imgui.WindowFlags_.no_resize
+    if modal:
+        shown = imgui.begin_popup_modal(name, None, flags | imgui.WindowFlags_.no_title_bar)[0]
+    else:
+        shown = imgui.begin_popup(name, flags)
+    imgui.pop_style_var()
+    return bool(shown)
+
+
 class ProgressModal:
     """While a file is being opened: what is being done, how far it is, and a way out."""
 
@@ -37,8 +49,7 @@ class ProgressModal:
         if job is not None and now - self._since > PATIENCE_SECONDS and not imgui.is_popup_open(self.NAME):
             imgui.open_popup(self.NAME)
         center_next_window(26)
-        flags = imgui.WindowFlags_.no_resize | imgui.WindowFlags_.no_saved_settings | imgui.WindowFlags_.no_title_bar
-        if not imgui.begin_popup_modal(self.NAME, None, flags)[0]:
+        if not begin_card(self.NAME, modal=True):
             return
         if job is None:
             imgui.close_current_popup()
@@ -70,8 +81,7 @@ class DiscardModal:
         if pending is not None and not imgui.is_popup_open(self.NAME):
             imgui.open_popup(self.NAME)
         center_next_window(26)
-        flags = imgui.WindowFlags_.no_resize | imgui.WindowFlags_.no_saved_settings | imgui.WindowFlags_.no_title_bar
-        if not imgui.begin_popup_modal(self.NAME, None, flags)[0]:
+        if not begin_card(self.NAME, modal=True):
             return
         if pending is None or session.document is None:
             session.ui.after_discard = None

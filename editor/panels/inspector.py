@@ -19,6 +19,8 @@ from editor.ui import Ui
 from editor.widgets import bold, em, empty_state, icon_button, property_grid, property_row, property_text, section, text
 from engine.core.param import Param
 
+LABELS = {"translation": "Move", "rotation": "Rotate", "scale": "Scale"}
+
 
 class InspectorPanel(Panel):
     title: ClassVar[str] = "Inspector"
@@ -79,7 +81,7 @@ class InspectorPanel(Panel):
             changed, angles = imgui.drag_float3("##rotation", list(self._angles(row, quaternion)), 0.5, 0, 0, "%.1f°")
             if changed:
                 wanted = quaternion_from_euler(tuple(float(a) for a in angles))
-                ui.session.edit("nodes", "rotation", [row], [wanted], gesture=("nodes", "rotation", row))
+                self._edit(ui, document, row, "rotation", wanted)
                 stored = tuple(float(v) for v in nodes.rotation[row])
                 self._euler[row] = (stored, (float(angles[0]), float(angles[1]), float(angles[2])))
             self._vector(ui, document, row, "scale", "Scale", "Factor along each own axis", 0.005, "%.3f")
@@ -101,7 +103,17 @@ class InspectorPanel(Panel):
         if changed and all(math.isfinite(v) for v in new):
             if column == "scale":  # a zero scale has no inverse, and nothing to see
                 new = tuple(v if abs(v) > 1e-6 else math.copysign(1e-6, v) for v in new)
-            ui.session.edit("nodes", column, [row], [new], gesture=("nodes", column, row))
+            self._edit(ui, document, row, column, new)
+
+    def _edit(self, ui: Ui, document: Document, row: int, column: str, value: tuple[float, ...]) -> None:
+        nodes, name = document.runtime.scene.nodes, ui.session.node_name(row)
+        label = f"{LABELS[column]} {name}"
+        if bool(nodes.has_matrix[row]):
+            local = list(document.tables["nodes"].read("local", (row,))[0])
+            local[("translation", "rotation", "scale").index(column)], local[3] = value, None
+            ui.session.edit("nodes", "local", [row], [tuple(local)], gesture=("nodes", "local", row), label=label)
+        else:
+            ui.session.edit("nodes", column, [row], [value], gesture=("nodes", column, row), label=label)
 
     def _mesh(self, ui: Ui, document: Document, instances: Any) -> None:
         if not section(ui, f"{icons.MESH}  Mesh", opened=False):

@@ -17,8 +17,8 @@ LIGHT = (
     Param("range", "float", 0.0, 0.0, unit="m", doc="Where the light ends; 0 = never"),
 )
 SPOT = (
-    Param("inner", "float", 0.0, 0.0, _PI / 2, unit="rad", doc="Half angle of the full brightness"),
-    Param("outer", "float", _PI / 4, 0.0, _PI / 2, unit="rad", doc="Half angle where the light ends"),
+    Param("inner_angle", "float", 0.0, 0.0, _PI / 2, unit="rad", doc="Half angle of the full brightness"),
+    Param("outer_angle", "float", _PI / 4, 0.0, _PI / 2, unit="rad", doc="Half angle where the light ends"),
 )
 CAMERA = (
     Param("yfov", "float", _PI / 4, 0.01, 3.1, unit="rad", doc="Vertical field of view"),

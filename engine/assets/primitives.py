@@ -68,7 +68,11 @@ def card(size: float = 1.0) -> MeshAsset:
 
 def cube(size: float = 1.0) -> MeshAsset:
     """A cube about the origin: 24 vertices, 12 triangles."""
-    position, normal, tangent, uv, indices = [], [], [], [], []
+    position: list[NDArray[np.float64]] = []
+    normal: list[NDArray[np.float64]] = []
+    tangent: list[list[float]] = []
+    uv: list[list[float]] = []
+    indices: list[int] = []
     axes = np.eye(3)
     for axis in range(3):
         for sign in (1.0, -1.0):

@@ -13,7 +13,7 @@ from __future__ import annotations
 import difflib
 import math
 from dataclasses import dataclass
-from typing import Any, ClassVar, dataclass_transform
+from typing import Any, ClassVar
 
 from engine.core.errors import UsageError
 
@@ -98,7 +98,6 @@ def param(
     return Param("", type, default, min, max, step, unit, choices, space, doc)
 
 
-@dataclass_transform(field_specifiers=(param,))
 class ParamBlock:
     """Base of a group of parameters declared as class attributes. Instances hold checked values."""
 

@@ -82,6 +82,8 @@ def texture_desc(desc: TextureDesc, caps: Caps) -> None:
         raise UsageError(f"{name}: a cube is square and has 6 layers, got {desc.width}x{desc.height}x{desc.layers}")
     if (desc.kind == "3d") != (desc.depth > 1) and desc.depth > 1:
         raise UsageError(f"{name}: only 3d textures have a depth, got kind {desc.kind!r} and depth {desc.depth}")
+    if desc.kind == "3d" and desc.format in formats.DEPTH:
+        raise UsageError(f"{name}: there are no 3d depth textures", hint="use kind '2d-array'")
     if desc.samples > 1 and (desc.kind != "2d" or desc.mips != 1 or desc.format in formats.COMPRESSED):
         raise UsageError(f"{name}: multisampled textures are 2d, uncompressed and have 1 mip")
     if largest > caps.max_texture_size or desc.layers > caps.max_array_layers:

@@ -141,6 +141,7 @@ class EffectLibrary:
         try:
             result = compile_variant(device, effect, self._with_prelude(request), self.search)
         except ShaderError as error:
+            self._watch(self._folders())
             return error
         self._watch(result.files)
         return result
@@ -196,7 +197,14 @@ class EffectLibrary:
             files |= {Path(variant.error.where.file)} if variant.error is not None else set()
         if any(variant.fallback is not None for variant in self._of(name)):
             files.add(shader_file(MAGENTA, self.search))
+        if name in self.errors or any(variant.error is not None for variant in self._of(name)):
+            files |= self._folders()  # what is missing may come
         return files
+
+    def _folders(self) -> set[Path]:
+        """The search folders and the folders in them."""
+        inner = {path for folder in self.search if folder.is_dir() for path in folder.iterdir() if path.is_dir()}
+        return inner.union(self.search)
 
     def _of(self, name: str) -> list[Variant]:
         return [variant for variant in self._variants.values() if variant.request.effect == name]

@@ -160,7 +160,7 @@ class DrawList:
     def _state(self, mesh: int, submesh: int, material: int, mirrored: bool) -> DrawState:
         record = self._residency.material(material)
         info = self._residency.meshes[mesh]
-        features = frozenset(resolve_features(record.effect, record.asset, info.asset.layout))
+        features = resolve_features(record.effect, record.asset, info.asset.layout)
         double_sided = "double_sided" in features
         return DrawState(
             record.effect.name, features, info.arena, record.group,

@@ -15,7 +15,7 @@ class View:
     camera: Camera
     width: int
     height: int
-    settings: RenderSettings = field(default_factory=lambda: RenderSettings())
+    settings: RenderSettings = field(default_factory=RenderSettings)
 
     @property
     def aspect(self) -> float:

@@ -20,7 +20,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("sources", nargs="+", metavar="SOURCE", help="a source file, or a folder to search")
     parser.add_argument("--out", required=True, metavar="DIR", help="the folder to write into; made if need be")
     parser.add_argument("--preset", choices=PRESETS, default="normal", help="texture effort (default: %(default)s)")
-    parser.add_argument("--max-texture-size", type=int, default=0, metavar="N", help="halve larger images until they fit")
+    parser.add_argument("--max-texture-size", type=int, default=0, metavar="N", help="halve larger images to fit")
     parser.add_argument("--force", action="store_true", help="encode textures anew, without the cache")
     parser.add_argument("--allow-outside", action="store_true", help="follow URIs that leave the source's folder")
     parser.add_argument("--jobs", type=int, default=0, metavar="N", help="texture threads (default: one per core)")

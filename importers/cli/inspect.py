@@ -48,8 +48,8 @@ def _lines(values: dict[str, Any], depth: int) -> list[str]:
 
 def _short(value: Any) -> str:
     if isinstance(value, dict):
-        parts = [f"{k.replace('_', ' ')} {_short(v)}" for k, v in value.items() if v not in (None, "", [], {}) or v == 0]
-        return ", ".join(parts)
+        given = {k: v for k, v in value.items() if v not in (None, "", [], {}) or v == 0}
+        return ", ".join(f"{k.replace('_', ' ')} {_short(v)}" for k, v in given.items())
     if isinstance(value, list):
         numbers = all(isinstance(v, (int, float)) for v in value)
         return "[" + (" " if numbers else ", ").join(map(_short, value)) + "]"

@@ -14,8 +14,8 @@ def flat_normals(
     Returns `source` i8[n'], unit normals f4[n',3] (+Z where a triangle has no area), and triangles u4[t,3].
     """
     corners = positions[triangles].astype(np.float64)
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    normals = unit(normals, (0.0, 0.0, 1.0)).astype(np.float32)
+    faces = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals = unit(faces, (0.0, 0.0, 1.0)).astype(np.float32)
     # Coplanar neighbours share their vertices: join corners of equal vertex and equal normal (to 1e-4).
     rounded = np.round(normals * 1e4).astype(np.int64) + 10001
     code = (rounded[:, 0] * 20003 + rounded[:, 1]) * 20003 + rounded[:, 2]
@@ -45,7 +45,8 @@ def fill_normals(
     corners = positions[triangles].astype(np.float64)
     faces = np.repeat(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), 3, axis=0)
     flat = triangles.reshape(-1)
-    sums = np.stack([np.bincount(flat, faces[:, k], len(normals)) for k in range(3)], 1)
+    columns = [np.bincount(flat, faces[:, k], len(normals)) for k in range(3)]
+    sums = np.stack(columns, 1).astype(np.float64)
     result = normals.copy()
     result[missing] = unit(sums[missing], (0.0, 0.0, 1.0))
     return result

@@ -59,4 +59,4 @@ def _round_to_whole(weights: NDArray[np.float64]) -> NDArray[np.uint16]:
     floor = np.floor(exact)
     missing = np.rint(65535.0 - floor.sum(axis=1)).astype(np.int64)
     rank = np.argsort(np.argsort(-(exact - floor), axis=1, kind="stable"), axis=1, kind="stable")
-    return (floor + (rank < missing[:, None])).astype("<u2")
+    return np.asarray(floor + (rank < missing[:, None])).astype(np.uint16)

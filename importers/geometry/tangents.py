@@ -55,7 +55,8 @@ def tangent_frames(
     vectors = np.repeat(face_tangent, 3, axis=0)
     vectors = unit(vectors - n * _dot(n, vectors), (0.0, 0.0, 0.0))
     vectors *= _corner_angles(p, n.reshape(-1, 3, 3)).reshape(-1, 1) * corner_good[:, None]
-    sums = np.stack([np.bincount(group, vectors[:, k], len(flat)) for k in range(3)], 1)
+    columns = [np.bincount(group, vectors[:, k], len(flat)) for k in range(3)]
+    sums = np.stack(columns, 1).astype(np.float64)
     signs = np.zeros(len(flat))
     signs[group[corner_good]] = np.where(np.repeat(positive, 3)[corner_good], 1.0, -1.0)
     return _split(len(positions), normals, flat, group, sums, signs)

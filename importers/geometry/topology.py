@@ -56,8 +56,8 @@ def zero_area(positions: NDArray[np.float32], triangles: Indices) -> NDArray[np.
     a, b, c = (positions[triangles[:, k]].astype(np.float64) for k in range(3))
     area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
     longest = np.maximum(np.maximum(_squared(b - a), _squared(c - b)), _squared(a - c))
-    return area <= 1e-7 * longest
+    return np.asarray(area <= 1e-7 * longest)
 
 
 def _squared(v: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.einsum("ij,ij->i", v, v)
+    return np.asarray(np.einsum("ij,ij->i", v, v))

@@ -1,11 +1,11 @@
 """glTF 2.0 and GLB by json and numpy alone. May import the importers' model and geometry, and the engine's assets.
 
-    container   file -> JSON tree + buffers (GLB chunks, data: URIs, files beside it), under limits
-    document    typed, checked access to the JSON tree: every wrong type becomes a finding with its json path
-    accessors   buffer bytes -> arrays (stride, sparse, normalised integers), bounds proven before use
-    meshes      primitives -> MeshAsset                 materials   materials + textures -> ImportedMaterial
-    nodes       the scene's tree -> NodeAsset           skins       joints and inverse binds -> Skeleton
-    animations  channels -> ClipAsset                   reader      all of it, in order: `load(path) -> ImportedModel`
+container   file -> JSON tree + buffers (GLB chunks, data: URIs, files beside it), under limits
+document    typed, checked access to the JSON tree: every wrong type becomes a finding with its json path
+accessors   buffer bytes -> arrays (stride, sparse, normalised integers), bounds proven before use
+meshes      primitives -> MeshAsset                 materials   materials + textures -> ImportedMaterial
+nodes       the scene's tree -> NodeAsset           skins       joints and inverse binds -> Skeleton
+animations  channels -> ClipAsset                   reader      all of it, in order: `load(path) -> ImportedModel`
 
-    bytes -> container -> document -> { accessors -> meshes, animations; materials; nodes, skins } -> ImportedModel
+bytes -> container -> document -> { accessors -> meshes, animations; materials; nodes, skins } -> ImportedModel
 """

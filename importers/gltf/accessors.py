@@ -55,11 +55,11 @@ class Accessors:
         if values is None:
             return None
         if values.dtype.kind == "f":
-            return values.astype(np.float32, copy=False)
+            return np.asarray(values, np.float32)
         if self._document.objects("accessors")[index].get("normalized") is not True:
-            return values.astype(np.float32)
+            return np.asarray(values, np.float32)
         scale = float(np.iinfo(values.dtype).max)
-        return np.maximum(values.astype(np.float32) / np.float32(scale), np.float32(-1.0))
+        return np.maximum(np.asarray(values, np.float32) / np.float32(scale), np.float32(-1.0))
 
     def is_normalized(self, index: int) -> bool:
         return self._document.objects("accessors")[index].get("normalized") is True
@@ -151,12 +151,12 @@ class Accessors:
         if offset < 0 or end > length:
             self.findings.error(
                 "gltf.accessor-range",
-                f"{count:,} elements need bytes {offset:,} to {end:,} of bufferViews[{index}], which has {length:,}",
+                f"{count:,} elements need bytes {offset:,} to {end:,} of bufferViews[{index}], {length:,} long",
                 place, "copy or export the file again",
             )  # fmt: skip
             return None
         if stride < size:
-            self.findings.error("gltf.stride", f"the stride of {stride} is less than one element, {size} bytes", place)
+            self.findings.error("gltf.stride", f"the stride of {stride} is less than an element's {size} bytes", place)
             return None
         if (start + offset) % alignment or stride % alignment:
             self.findings.warn("gltf.alignment", f"the data is not aligned to {alignment} bytes", place)
@@ -164,13 +164,13 @@ class Accessors:
 
     def _apply_sparse(self, base: Array, accessor: dict[str, Any], where: str) -> Array | None:
         doc, place = self._document, f"{where}.sparse"
-        sparse = doc.object(accessor, "sparse", where)
+        sparse = doc.child(accessor, "sparse", where)
         count = doc.integer(sparse, "count", place)
         if count is None or not 0 < count <= len(base):
             self.findings.error("gltf.sparse", f"the sparse count is {count}; it must be 1 to {len(base):,}", place)
             return base
-        indices_of = doc.object(sparse, "indices", place)
-        values_of = doc.object(sparse, "values", place)
+        indices_of = doc.child(sparse, "indices", place)
+        values_of = doc.child(sparse, "values", place)
         kind = COMPONENTS.get(doc.integer(indices_of, "componentType", f"{place}.indices") or 0, "")
         if kind not in ("<u1", "<u2", "<u4"):
             self.findings.error("gltf.sparse", "the sparse indices are no unsigned integers", f"{place}.indices")

@@ -27,7 +27,7 @@ def read_animation(
     taken: set[tuple[int, str]] = set()
     for number, channel in enumerate(doc.child_objects(animation, "channels", where)):
         place = f"{where}.channels[{number}]"
-        target = doc.object(channel, "target", place)
+        target = doc.child(channel, "target", place)
         kind = doc.text(target, "path", f"{place}.target")
         if kind not in PATHS:
             doc.findings.warn("gltf.channel", f"the path {kind[:60]!r} is not animated here; left out", place)
@@ -80,14 +80,15 @@ def _keys(
     if arrays[0].shape[1] != 1 or arrays[1].size != len(times) * parts * width:
         findings.error(
             "gltf.sampler",
-            f"{len(times):,} times want {len(times) * parts * width:,} numbers of {kind}, {arrays[1].size:,} are there; "
-            "left out", where, "export the animation again",
+            f"{len(times):,} times want {len(times) * parts * width:,} numbers of {kind}, not {arrays[1].size:,}",
+            where, "export the animation again",
         )  # fmt: skip
         return None
     values = arrays[1].reshape(len(times), parts, width)
     usable = np.isfinite(times) & np.isfinite(values).all(axis=(1, 2))
     if not usable.all():
-        findings.error("gltf.not-finite", f"{int((~usable).sum()):,} of {len(times):,} keys are no numbers; left out", where)
+        bad = int((~usable).sum())
+        findings.error("gltf.not-finite", f"{bad:,} of {len(times):,} keys are no numbers; left out", where)
         times, values = times[usable], values[usable]
     if not len(times):
         findings.error("gltf.sampler", "no key is left; the channel is left out", where)
@@ -108,7 +109,7 @@ def _in_order(doc: Document, times: Any, values: Any, where: str) -> tuple[Any, 
     last = np.append(sorted_times[1:] != sorted_times[:-1], True)
     doc.findings.warn(
         "gltf.key-times",
-        f"the times are not strictly rising; sorted, and {int((~last).sum()):,} repeated keys left out", f"{where}.input",
+        f"the times do not strictly rise; sorted, and {int((~last).sum()):,} repeated keys left out", f"{where}.input",
     )  # fmt: skip
     return sorted_times[last], values[order][last]
 
@@ -119,7 +120,8 @@ def _unit_rotations(doc: Document, values: NDArray[np.float32], where: str) -> N
     length = np.linalg.norm(middle, axis=1)
     zero = length < 1e-12
     if zero.any():
-        doc.findings.error("gltf.rotation", f"{int(zero.sum()):,} keys are no rotations; taken as none", f"{where}.output")
+        count = int(zero.sum())
+        doc.findings.error("gltf.rotation", f"{count:,} keys are no rotations; taken as none", f"{where}.output")
         values = values.copy()
         values[zero] = 0.0
         values[zero, values.shape[1] // 2, 3] = 1.0

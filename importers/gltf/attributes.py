@@ -61,7 +61,7 @@ def read_vertices(doc: Document, accessors: Accessors, attributes: dict[str, Any
         return None
     count = len(position)
     # Squared lengths must still fit float32
-    broken = ~(np.abs(position) < 1e18).all(axis=1)
+    broken = np.asarray(~(np.abs(position) < 1e18).all(axis=1))
     if broken.any():
         first = int(np.argmax(broken))
         findings.error(
@@ -146,9 +146,7 @@ def _directions(
     return result
 
 
-def _color(
-    doc: Document, accessors: Accessors, attributes: dict[str, Any], where: str, count: int
-) -> Floats | None:
+def _color(doc: Document, accessors: Accessors, attributes: dict[str, Any], where: str, count: int) -> Floats | None:
     values = _floats(doc, accessors, attributes, "COLOR_0", where, count)
     if values is None:
         return None

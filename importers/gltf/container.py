@@ -72,11 +72,11 @@ def _split_glb(data: memoryview, path: Path, findings: Findings) -> tuple[memory
         raise FormatError(f"GLB version {version}; only version 2 is known", where=path, hint="export it as glTF 2.0")
     if length > len(data):
         findings.error(
-            "glb.truncated", f"the header says {length:,} bytes, the file has {len(data):,}: it is cut off", "GLB header",
-            "copy or export it again; what the rest held is missing",
+            "glb.truncated", f"the header says {length:,} bytes, the file has {len(data):,}: it is cut off",
+            "GLB header", "copy or export it again; what the rest held is missing",
         )  # fmt: skip
     elif length < len(data):
-        findings.warn("glb.trailing", f"{len(data) - length:,} bytes follow the end that the header gives", "GLB header")
+        findings.warn("glb.trailing", f"{len(data) - length:,} bytes follow the end that it gives", "GLB header")
         data = data[: max(length, 20)]
     text: memoryview | None = None
     binary: memoryview | None = None
@@ -141,7 +141,7 @@ def parse_json(text: bytes, path: Path, max_depth: int, findings: Findings) -> d
 
 
 def json_depth(text: bytes, stop: int) -> int:
-    """The depth of nesting of a JSON text, measured without parsing it; 0 where it has too few brackets to pass `stop`."""
+    """The depth of nesting of a JSON text, without parsing it; 0 where it has too few brackets to pass `stop`."""
     if text.count(b"[") + text.count(b"{") <= stop:
         return 0
     characters = np.frombuffer(_STRING.sub(b"", text), np.uint8)

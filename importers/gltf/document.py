@@ -1,4 +1,4 @@
-"""Typed access to the JSON tree: whatever has the wrong type or range becomes a finding and a default, never a crash."""
+"""Typed access to the JSON tree: a wrong type or range becomes a finding and a default, never a crash."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class Document:
             return []
         return value
 
-    def object(self, owner: JsonObject, key: str, path: str) -> JsonObject:
+    def child(self, owner: JsonObject, key: str, path: str) -> JsonObject:
         """`owner[key]` as an object; {} where it is missing or of a wrong type."""
         value = owner.get(key)
         if value is None:
@@ -70,10 +70,10 @@ class Document:
 
     def extension(self, owner: JsonObject, name: str, path: str) -> JsonObject | None:
         """The extension object `name` of `owner`, or None where it has none."""
-        extensions = self.object(owner, "extensions", path)
+        extensions = self.child(owner, "extensions", path)
         if name not in extensions:
             return None
-        return self.object(extensions, name, _at(path, "extensions"))
+        return self.child(extensions, name, _at(path, "extensions"))
 
     def text(self, owner: JsonObject, key: str, path: str, default: str = "") -> str:
         value = owner.get(key)

@@ -12,7 +12,7 @@ from importers.gltf.document import Document
 
 @dataclass(slots=True)
 class Hierarchy:
-    """Over all nodes of the file: `parents[n]` (-1: none), `children[n]`, and `sequence`, depth first, parents first."""
+    """All nodes of the file: `parents[n]` (-1: none), `children[n]`, and `sequence`, depth first, parents first."""
 
     parents: list[int]
     children: list[list[int]]

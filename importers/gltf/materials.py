@@ -1,7 +1,8 @@
 """Materials: glTF's metallic-roughness model and its common extensions become the `surface` effect's parameters.
 
 Source: glTF 2.0 specification (Khronos, 2021), section 3.9; KHR_texture_transform, KHR_materials_unlit,
-KHR_materials_emissive_strength, KHR_materials_pbrSpecularGlossiness (Khronos, 2017 to 2022).
+KHR_materials_emissive_strength, KHR_materials_ior, KHR_materials_specular, KHR_materials_pbrSpecularGlossiness
+(Khronos, 2017 to 2022).
 """
 
 from __future__ import annotations
@@ -20,7 +21,10 @@ _MIN = {
     9986: "nearest_mip_linear", 9987: "linear_mip_linear",
 }  # fmt: skip
 _QUEUES = {"OPAQUE": "opaque", "MASK": "alpha_test", "BLEND": "transparent"}
-_SHOWN = {"KHR_materials_unlit", "KHR_materials_emissive_strength", "KHR_materials_pbrSpecularGlossiness"}
+_SHOWN = {
+    "KHR_materials_unlit", "KHR_materials_emissive_strength", "KHR_materials_pbrSpecularGlossiness",
+    "KHR_materials_ior", "KHR_materials_specular",
+}  # fmt: skip
 #: image formats that a texture may name by an extension, and whether they can be decoded
 _SOURCES = {"EXT_texture_webp": True, "KHR_texture_basisu": False, "MSFT_texture_dds": False, "EXT_texture_avif": False}
 
@@ -31,7 +35,7 @@ def read_material(doc: Document, index: int) -> ImportedMaterial:
     asset = MaterialAsset(doc.name(material, where, f"material_{index}"))
     result = ImportedMaterial(asset)
     params = asset.params
-    pbr, place = doc.object(material, "pbrMetallicRoughness", where), f"{where}.pbrMetallicRoughness"
+    pbr, place = doc.child(material, "pbrMetallicRoughness", where), f"{where}.pbrMetallicRoughness"
     params["base_color"] = _clamped(doc, pbr, "baseColorFactor", place, (1.0, 1.0, 1.0, 1.0))
     params["metallic"] = doc.number(pbr, "metallicFactor", place, 1.0, 0.0, 1.0)
     params["roughness"] = doc.number(pbr, "roughnessFactor", place, 1.0, 0.0, 1.0)
@@ -40,11 +44,11 @@ def read_material(doc: Document, index: int) -> ImportedMaterial:
     normal = _texture(doc, material, "normalTexture", where, result, "normal_map", "normal")
     occlusion = _texture(doc, material, "occlusionTexture", where, result, "occlusion_map", "occlusion")
     _texture(doc, material, "emissiveTexture", where, result, "emissive_map", "color")
-    params["normal_scale"] = doc.number(normal or {}, "scale", f"{where}.normalTexture", 1.0)
+    params["normal_scale"] = doc.number(normal or {}, "scale", f"{where}.normalTexture", 1.0, -4.0, 4.0)
     params["occlusion_strength"] = doc.number(occlusion or {}, "strength", f"{where}.occlusionTexture", 1.0, 0.0, 1.0)
     params["emissive"] = _clamped(doc, material, "emissiveFactor", where, (0.0, 0.0, 0.0))
     params["emissive_strength"] = 1.0
-    params["alpha_cutoff"] = doc.number(material, "alphaCutoff", where, 0.5, 0.0, 1e9)
+    params["alpha_cutoff"] = doc.number(material, "alphaCutoff", where, 0.5, 0.0, 1.0)
     asset.queue = _QUEUES[doc.choice(material, "alphaMode", where, tuple(_QUEUES), "OPAQUE")]
     if doc.flag(material, "doubleSided", where):
         asset.features.append("double_sided")
@@ -60,7 +64,7 @@ def normal_map_uv(material: ImportedMaterial) -> int | None:
 
 def _extensions(doc: Document, material: JsonObject, where: str, result: ImportedMaterial) -> None:
     asset = result.asset
-    for name, value in doc.object(material, "extensions", where).items():
+    for name, value in doc.child(material, "extensions", where).items():
         place = f"{where}.extensions.{name}"
         if name not in _SHOWN:
             asset.extensions[name] = _storable(value) if isinstance(value, dict) else {}
@@ -70,7 +74,21 @@ def _extensions(doc: Document, material: JsonObject, where: str, result: Importe
     emissive = doc.extension(material, "KHR_materials_emissive_strength", where)
     if emissive is not None:
         place = f"{where}.extensions.KHR_materials_emissive_strength"
-        asset.params["emissive_strength"] = doc.number(emissive, "emissiveStrength", place, 1.0, 0.0, 1e9)
+        asset.params["emissive_strength"] = doc.number(emissive, "emissiveStrength", place, 1.0, 0.0, 1e4)
+    ior = doc.extension(material, "KHR_materials_ior", where)
+    if ior is not None:
+        # 0 stands for an infinite index there: all light is reflected
+        value = doc.number(ior, "ior", f"{where}.extensions.KHR_materials_ior", 1.5, 0.0)
+        asset.params["ior"] = min(max(value, 1.0), 4.0) if value else 4.0
+    specular = doc.extension(material, "KHR_materials_specular", where)
+    if specular is not None:
+        place = f"{where}.extensions.KHR_materials_specular"
+        asset.params["specular"] = doc.number(specular, "specularFactor", place, 1.0, 0.0, 1.0)
+        tint = doc.vector(specular, "specularColorFactor", place, (1.0, 1.0, 1.0))
+        asset.params["specular_color"] = tuple(min(max(v, 0.0), 100.0) for v in tint)
+        if {"specularTexture", "specularColorTexture"} & specular.keys():
+            asset.extensions["KHR_materials_specular"] = _storable(specular)
+            doc.findings.info("gltf.extension", "KHR_materials_specular: its textures are kept, not shown yet", place)
     old = doc.extension(material, "KHR_materials_pbrSpecularGlossiness", where)
     if old is not None:
         _specular_glossiness(doc, material, old, where, result)
@@ -88,9 +106,7 @@ def _specular_glossiness(
     asset = result.asset
     asset.extensions["KHR_materials_pbrSpecularGlossiness"] = _storable(old)
     if "pbrMetallicRoughness" in material:
-        doc.findings.info(
-            "gltf.spec-gloss", "the material's own metallic-roughness fallback is shown instead of specular-glossiness", place
-        )
+        doc.findings.info("gltf.spec-gloss", "the material's metallic-roughness fallback is shown instead", place)
         return
     diffuse = _clamped(doc, old, "diffuseFactor", place, (1.0, 1.0, 1.0, 1.0))
     specular = _clamped(doc, old, "specularFactor", place, (1.0, 1.0, 1.0))
@@ -122,7 +138,7 @@ def _metallic(diffuse: tuple[float, ...], specular: tuple[float, ...]) -> float:
     """The metallic whose dielectric and metal parts have these brightnesses (a quadratic; Khronos, 2017)."""
 
     def brightness(c: tuple[float, ...]) -> float:
-        return (0.299 * c[0] ** 2 + 0.587 * c[1] ** 2 + 0.114 * c[2] ** 2) ** 0.5
+        return float((0.299 * c[0] ** 2 + 0.587 * c[1] ** 2 + 0.114 * c[2] ** 2) ** 0.5)
 
     f0 = 0.04
     d, s = brightness(diffuse), brightness(specular)
@@ -131,7 +147,7 @@ def _metallic(diffuse: tuple[float, ...], specular: tuple[float, ...]) -> float:
     b = d * (1 - max(specular)) / (1 - f0) + s - 2 * f0
     c = f0 - s
     root = max(b * b - 4 * f0 * c, 0.0) ** 0.5
-    return min(max((-b + root) / (2 * f0), 0.0), 1.0)
+    return float(min(max((-b + root) / (2 * f0), 0.0), 1.0))
 
 
 def _texture(
@@ -140,7 +156,7 @@ def _texture(
     """Fill `slot` from the textureInfo `owner[key]`; returns that object, or None where there is none."""
     if key not in owner:
         return None
-    info, where = doc.object(owner, key, path), f"{path}.{key}"
+    info, where = doc.child(owner, key, path), f"{path}.{key}"
     reference = TextureRef("")
     result.asset.textures[slot] = reference
     uv_set = doc.integer(info, "texCoord", where, 0)

@@ -34,7 +34,7 @@ _VALUES_PER_ELEMENT = {"triangles": 3, "lines": 2, "points": 1}
 
 @dataclass(frozen=True, slots=True)
 class Slot:
-    """A material slot: the material's index (-1: the default one), and whether it is drawn unlit for want of normals."""
+    """A material slot: the material's index (-1: the default one), and whether it is unlit for want of normals."""
 
     material: int
     unlit: bool = False
@@ -103,9 +103,9 @@ class MeshReader:
             return None
         material = doc.index(primitive, "material", where, "materials")
         material = -1 if material is None else material
-        attributes = doc.object(primitive, "attributes", where)
+        attributes = doc.child(primitive, "attributes", where)
         targets = doc.child_objects(primitive, "targets", where)
-        shared = (repr(sorted(attributes.items(), key=repr)), repr(targets))
+        shared: object = (repr(sorted(attributes.items(), key=repr)), repr(targets))
         if shared not in cache:
             vertices = read_vertices(doc, self._accessors, attributes, f"{where}.attributes")
             cache[shared] = (
@@ -124,8 +124,8 @@ class MeshReader:
             slot = Slot(material, unlit=vertices.normal is None)
             if vertices.normal is None:
                 vertices = vertices.gather(np.arange(len(vertices.position)))
-                vertices.normal = np.tile(np.float32([0, 0, 1]), (len(vertices.position), 1))
-                shared = (*shared, "unlit")
+                vertices.normal = np.tile(np.array([0, 0, 1], np.float32), (len(vertices.position), 1))
+                shared = (shared, "unlit")
             return _Primitive(vertices, morphs, indices, topology, slot, shared)
         return self._shade(vertices, morphs, indices, material, shared, where)
 
@@ -168,7 +168,7 @@ class MeshReader:
         doc = self._doc
         if doc.extension(primitive, "KHR_draco_mesh_compression", where) is None:
             return True
-        numbers = [v for v in doc.object(primitive, "attributes", where).values() if isinstance(v, int)]
+        numbers = [v for v in doc.child(primitive, "attributes", where).values() if isinstance(v, int)]
         known = doc.objects("accessors")
         if all("bufferView" in known[n] for n in numbers if 0 <= n < len(known)):
             return True
@@ -201,21 +201,21 @@ class MeshReader:
             return None
         size = _VALUES_PER_ELEMENT[MODES[mode][1]]
         if mode in (1, 4) and given % size:
-            doc.findings.warn("gltf.indices", f"{given:,} indices are no whole number of {name}; the rest is cut", where)
+            doc.findings.warn("gltf.indices", f"{given:,} indices are no whole number of {name}", where)
         elements = listed.reshape(-1, size)
         outside = elements >= count
         if outside.any():
             worst = int(elements.max())
             doc.findings.error(
                 "gltf.index-range",
-                f"{int(outside.any(axis=1).sum()):,} of {len(elements):,} {MODES[mode][1]} use an index up to {worst:,}, "
-                f"beyond the {count:,} vertices; left out", place, "export the mesh again",
+                f"{int(outside.any(axis=1).sum()):,} of {len(elements):,} {MODES[mode][1]} use an index up to "
+                f"{worst:,}, beyond the {count:,} vertices; left out", place, "export the mesh again",
             )  # fmt: skip
             elements = elements[~outside.any(axis=1)]
         elements = elements[~vertices.broken[elements].any(axis=1)]
         if size == 3:
             elements = self._drop_collapsed(elements, vertices, mode, where)
-        return elements.reshape(-1)
+        return np.asarray(elements.reshape(-1))
 
     def _drop_collapsed(self, triangles: Indices, vertices: VertexData, mode: int, where: str) -> Indices:
         a, b, c = triangles[:, 0], triangles[:, 1], triangles[:, 2]

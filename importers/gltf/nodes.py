@@ -92,7 +92,7 @@ def _matrix(doc: Document, node: JsonObject, where: str, asset: NodeAsset) -> No
 def read_camera(doc: Document, index: int) -> CameraAsset:
     camera, where = doc.objects("cameras")[index], f"cameras[{index}]"
     kind = doc.choice(camera, "type", where, ("perspective", "orthographic"), "perspective")
-    lens, place = doc.object(camera, kind, where), f"{where}.{kind}"
+    lens, place = doc.child(camera, kind, where), f"{where}.{kind}"
     asset = CameraAsset(kind)
     asset.znear = doc.number(lens, "znear", place, 0.05 if kind == "perspective" else 0.0, 0.0, 1e9)
     asset.zfar = doc.number(lens, "zfar", place, 0.0, 0.0, 3e38)
@@ -132,7 +132,7 @@ def _light(doc: Document, reference: JsonObject, where: str) -> LightAsset | Non
         doc.number(light, "range", path, 0.0, 0.0, 3e38),
     )
     if asset.type == "spot":
-        spot = doc.object(light, "spot", path)
+        spot = doc.child(light, "spot", path)
         asset.outer_angle = doc.number(spot, "outerConeAngle", f"{path}.spot", math.pi / 4, 1e-4, math.pi / 2)
         asset.inner_angle = doc.number(spot, "innerConeAngle", f"{path}.spot", 0.0, 0.0, math.pi / 2)
         if asset.inner_angle >= asset.outer_angle:

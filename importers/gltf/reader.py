@@ -154,7 +154,7 @@ class _Builder:
                 self._mesh(mesh, -1, hierarchy)
         self._reader.report_zero_area()
         if not model.meshes:
-            doc.findings.warn("gltf.no-meshes", "the file has no mesh that can be drawn", hint="the scene will be empty")
+            doc.findings.warn("gltf.no-meshes", "the file has no mesh that can be drawn", hint="the scene is empty")
         for number in range(len(doc.objects("animations"))):
             clip = read_animation(doc, self._accessors, number, rows, self._names, morphs)
             if clip.channels:
@@ -244,7 +244,7 @@ class _Builder:
 
 
 def _summary(doc: Document, container: Container) -> dict[str, Any]:
-    asset = doc.object(doc.root, "asset", "")
+    asset = doc.child(doc.root, "asset", "")
     names = ("scenes", "nodes", "meshes", "materials", "textures", "images", "samplers", "skins", "animations",
              "cameras", "accessors", "bufferViews", "buffers")  # fmt: skip
     return {

@@ -17,7 +17,7 @@ from importers.gltf.document import Document
 
 @dataclass(slots=True)
 class Skin:
-    """`joints`: node indices of the source in the skeleton's order. `order[j]`: skeleton row of the source's joint j."""
+    """`joints`: the source's nodes in the skeleton's order. `order[j]`: skeleton row of the source's joint j."""
 
     skeleton: Skeleton
     joints: list[int]

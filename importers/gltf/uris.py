@@ -79,7 +79,7 @@ def read_regular_file(path: Path, max_bytes: int) -> bytes:
 def similar_name_hint(path: Path) -> str:
     """What to do about a missing file: name the file beside it that is spelt alike, if there is one."""
     try:
-        names = sorted(os.listdir(path.parent))
+        names = sorted(p.name for p in path.parent.iterdir())
     except OSError:
         return "check that the path is right"
     names = [n for n in names if Path(n).suffix.lower() == path.suffix.lower()]

@@ -115,9 +115,10 @@ def test_depth_compare(bench: Any, compare: str, passes: str) -> None:
     color, depth = bench.texture("r8", 1, 1), bench.texture("d32f", 1, 1)
     for name, z in (("l", 0.25), ("e", 0.5), ("g", 0.75)):
         pipeline = bench.pipeline(
-            f"void main() {{ gl_Position = vec4(vec2((gl_VertexID << 1) & 2, gl_VertexID & 2) * 2 - 1, {z}, 1); }}", WHITE,
+            f"void main() {{ gl_Position = vec4(vec2((gl_VertexID << 1) & 2, gl_VertexID & 2) * 2 - 1, {z}, 1); }}",
+            WHITE,
             depth=DepthState(compare=compare),
-        )  # fmt: skip
+        )
         bench.draw(pipeline, [color], depth, clear=(0, 0, 0, 0), depth_clear=0.5)
         assert bool(color.read()[0, 0, 0]) == (name in passes)
         assert depth.read()[0, 0, 0] == (z if name in passes else 0.5)
@@ -204,7 +205,10 @@ def test_several_targets_and_integer_clear(bench: Any) -> None:
     ("blend", "expected"),
     [
         (None, [0.5, 0.25, 1.0, 0.5]),
-        (BlendState("src_alpha", "one_minus_src_alpha", src_alpha="one", dst_alpha="one_minus_src_alpha"), [0.375, 0.25, 0.5, 0.75]),
+        (
+            BlendState("src_alpha", "one_minus_src_alpha", src_alpha="one", dst_alpha="one_minus_src_alpha"),
+            [0.375, 0.25, 0.5, 0.75],
+        ),
         (BlendState("one", "one", src_alpha="one", dst_alpha="one"), [0.75, 0.5, 1.0, 1.0]),
         (BlendState("dst_color", "zero"), [0.125, 0.0625, 0.0, 0.5]),
         (BlendState("one", "one", "max"), [0.5, 0.25, 1.0, 0.5]),
@@ -271,7 +275,7 @@ def test_multi_draw_indexed_indirect(bench: Any) -> None:
         encoder.set_pipeline(pipeline)
         encoder.set_vertex_buffers(streams, index)
         encoder.multi_draw_indexed_indirect(commands, 1, 2)
-        with pytest.raises(UsageError, match="'commands'.*outside"):
+        with pytest.raises(UsageError, match=r"'commands'.*outside"):
             encoder.multi_draw_indexed_indirect(commands, 2, 2)
     assert target.read()[0, :, 0].tolist() == [115, 111, 0, 0]
     after = counters.snapshot()
@@ -307,13 +311,16 @@ def test_vertex_formats_reach_the_shader(bench: Any) -> None:
 
 
 def test_wireframe_lines_and_points(bench: Any) -> None:
-    target = bench.texture("r8", 8, 8)
-    vertex = "void main() { gl_PointSize = 1.0; gl_Position = vec4(vec2((gl_VertexID << 1) & 2, gl_VertexID & 2) * 0.8 - 0.8, 0, 1); }"
+    target = bench.texture("r8", 64, 64)
+    vertex = """void main() { gl_PointSize = 1.0;
+        gl_Position = vec4(vec2((gl_VertexID << 1) & 2, gl_VertexID & 2) * 0.8 - 0.8, 0, 1); }"""
     lit = {}
     for name, state in {
-        "solid": {}, "wireframe": {"raster": RasterState("none", fill="wireframe")}, "lines": {"topology": "lines"},
+        "solid": {},
+        "wireframe": {"raster": RasterState("none", fill="wireframe")},
+        "lines": {"topology": "lines"},
         "points": {"topology": "points"},
-    }.items():  # fmt: skip
+    }.items():
         bench.draw(bench.pipeline(vertex, WHITE, **state), [target], None, clear=(0, 0, 0, 0))
         lit[name] = int((target.read() > 0).sum())
     assert lit["solid"] > lit["wireframe"] > lit["lines"] > lit["points"] == 3
@@ -337,7 +344,7 @@ def test_passes_in_wrong_use(bench: Any) -> None:
         with pytest.raises(UsageError, match="set_pipeline comes before"):
             encoder.draw(3)
         encoder.set_pipeline(pipeline)
-        with pytest.raises(UsageError, match="stream.*position"):
+        with pytest.raises(UsageError, match=r"stream.*position"):
             encoder.draw(3)
         encoder.set_vertex_buffers({"position": bench.buffer(36)})
         with pytest.raises(UsageError, match="index buffer"):

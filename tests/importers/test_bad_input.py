@@ -1,4 +1,4 @@
-"""Every kind of bad input: the message names the file and the place, the exit code is right, nothing is half-written."""
+"""Every kind of bad input: the message names file and place, the exit code is right, nothing is half-written."""
 
 from __future__ import annotations
 
@@ -44,11 +44,10 @@ def test_truncated_at_every_length(tmp_path: Path) -> None:
     for length in range(0, len(data), 7):
         path.write_bytes(data[:length])
         try:
-            model = load(path, ImportSettings())
+            noticed = "".join(map(str, load(path, ImportSettings()).findings))
         except LucarnaError as error:
-            assert "cut.glb" in str(error)
-        else:
-            assert model.findings.has_errors, f"cut to {length} bytes and nothing noticed"
+            noticed = str(error)
+        assert "cut.glb" in noticed, f"cut to {length} bytes and nothing noticed"
 
 
 def test_mutants_raise_only_our_errors(tmp_path: Path) -> None:
@@ -60,9 +59,11 @@ def test_mutants_raise_only_our_errors(tmp_path: Path) -> None:
         try:
             convert(path, out, ImportSettings(jobs=1))
             survivors += 1
+            continue
         except LucarnaError as error:
-            assert "mutant.glb" in str(error)
-            assert not out.exists()
+            message = str(error)
+        assert "mutant.glb" in message
+        assert not out.exists()
     # Both must happen, or the mutants are too tame or too wild to say anything
     assert 20 < survivors < 290
 

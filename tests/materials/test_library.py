@@ -12,6 +12,8 @@ import pytest
 
 from engine.core.errors import InputError, Place, ShaderError, UsageError
 from engine.core.paths import shaders_dir
+from engine.framegraph.explain import explain
+from engine.framegraph.graph import FrameGraph
 from engine.gpu.null.device import NullDevice
 from engine.gpu.types import BlendState, Pipeline, RenderPipelineDesc, VertexAttribute
 from engine.materials.features import FeatureSet
@@ -194,6 +196,18 @@ def test_a_missing_include_is_magenta_too(device: PickyDevice, folder: Path) -> 
     assert error is None
 
 
+def test_a_missing_include_that_comes_later_is_found(device: PickyDevice, folder: Path) -> None:
+    effects = library(folder)
+    before = forward(effects, device)
+    edit(folder / "effects/swatch.frag", "lib/mix.glsl", "lib/new.glsl")
+    assert effects.poll() == []
+    (folder / "lib/new.glsl").write_text("vec3 combine(uint mode, vec3 a, vec3 b) { return a; }\n", encoding="utf-8")
+    info = (folder / "lib").stat()
+    os.utime(folder / "lib", ns=(info.st_atime_ns, info.st_mtime_ns + 1_000_000))
+    assert effects.poll() == ["swatch"]
+    assert forward(effects, device) is not before
+
+
 def test_poll_without_changes_does_nothing(device: PickyDevice) -> None:
     effects = library()
     forward(effects, device)
@@ -303,3 +317,13 @@ def test_release_lets_go() -> None:
     effects.release()
     assert effects.variants() == []
     assert forward(effects, device) is not first
+
+
+def test_variants_are_explained(device: PickyDevice) -> None:
+    effects = library()
+    told = FeatureSet({"base_map": "the material has the texture 'base_map'"}, {"relief_map": "no tangent"})
+    effects.pipeline(device, "swatch", "forward", told, (POSITION,))
+    lines = explain(FrameGraph([]).compile(device, None, (4, 4)), effects.variants())
+    assert "  swatch forward: base_map" in lines
+    assert "    with base_map: the material has the texture 'base_map'" in lines
+    assert "    without relief_map: no tangent" in lines

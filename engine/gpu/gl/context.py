@@ -61,7 +61,9 @@ def open_context(*, attach: bool) -> Context:
 
 
 def _checked(context: Any, *, owned: bool) -> Context:
-    functions = Functions(context.mglo._context.load)  # moderngl is pinned: the loader is a private attribute
+    loader = context.mglo._context  # moderngl is pinned: the loader is a private attribute
+    # a context of our own has glcontext's loader, one found in a window has moderngl's
+    functions = Functions(loader.load if hasattr(loader, "load") else loader.load_opengl_function)
     version = (functions.integer(e.MAJOR_VERSION), functions.integer(e.MINOR_VERSION))
     count = functions.integer(e.NUM_EXTENSIONS)
     extensions = frozenset(functions.GetStringi(e.EXTENSIONS, i).decode() for i in range(count))

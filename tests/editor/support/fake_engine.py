@@ -4,7 +4,7 @@ It has the surface the editor uses and nothing more, so UI tests need no GPU, no
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -41,6 +41,7 @@ class Nodes:
         self.scale = np.ones((n, 3))
         self.visible = np.ones(n, bool)
         self.alive = np.ones(n, bool)
+        self.has_matrix = np.zeros(n, bool)
         self.rev = 0
 
     def set_translation(self, rows: Any, values: Any) -> None:
@@ -73,6 +74,20 @@ class Nodes:
         matrix[:3, 3] = self.translation[row]
         parent = int(self.parent[row])
         return self.world_matrix(parent) @ matrix if parent >= 0 else matrix
+
+
+class Records:
+    """Lights or cameras: a record a row."""
+
+    def __init__(self, node: list[int], records: list[Any]) -> None:
+        self.node = np.array(node)
+        self.records = records
+
+    def asset(self, row: int) -> Any:
+        return self.records[row]
+
+    def set(self, row: int, **values: Any) -> None:
+        self.records[row] = replace(self.records[row], **values)
 
 
 @dataclass
@@ -160,12 +175,8 @@ class FakeRuntime:
             node=np.array([1, 2], np.int32), mesh=np.zeros(n, np.int32), submesh=np.zeros(n, np.int32),
             material=np.array([0, 1], np.int32), visible=np.ones(n, bool),
         )  # fmt: skip
-        lights = SimpleNamespace(
-            node=np.array([3]), type=np.array([2]), color=np.ones((1, 3), np.float32),
-            intensity=np.array([40.0], np.float32), range=np.zeros(1, np.float32),
-            inner=np.zeros(1, np.float32), outer=np.full(1, 0.7, np.float32),
-        )  # fmt: skip
-        cameras = SimpleNamespace(node=np.array([4]), yfov=np.array([0.8]), znear=np.array([0.05]))
+        lights, cameras = Records([3], [LightAsset("spot", intensity=40.0)]), Records([4], [CameraAsset()])
+        lights.type = np.array([2])
         self.scene = Scene(nodes, instances, lights, cameras)
         assets = [NodeAsset(name, parent) for name, parent in rows]
         assets[3].light, assets[4].camera = LightAsset("spot"), CameraAsset()
