@@ -23,6 +23,8 @@ from engine.core.errors import LucarnaError
 
 #: frames a second while nobody does anything: enough for a cursor to blink
 IDLE_FPS = 4.0
+#: the wheel is at rest after so many seconds
+WHEEL_REST = 0.2
 #: how long a screenshot waits for a file that is still being opened, seconds
 SCREENSHOT_PATIENCE = 120.0
 
@@ -49,6 +51,7 @@ class App:
         self._drop: Any = None
         self._start = time.monotonic()
         self._settled = 0
+        self._wheeled = -1e9
         self.params = self._make_params(size, remember_layout)
 
     def run(self) -> None:
@@ -150,10 +153,27 @@ class App:
         io = imgui.get_io()
         self.ui.pixel_scale = max(float(io.display_framebuffer_scale.x), 1e-3)
         session.poll()
+        session.interacting = not self.frames and self._interacting(io)
         session.tick(min(float(io.delta_time), 0.25))
         keys.run_shortcuts(self.ui, flying=self.panel(ViewportPanel).flying)
         self._requests()
-        if not self.null_platform and (session.playback.playing or session.job is not None):
+        if session.playback.playing or session.job is not None:
+            self._refresh()
+
+    def _interacting(self, io: Any) -> bool:
+        """A button is held, the wheel turned a moment ago, or time runs."""
+        now = imgui.get_time()
+        if io.mouse_wheel or io.mouse_wheel_h:
+            self._wheeled = now
+        held = any(imgui.is_mouse_down(button) for button in range(3))
+        if held or now - self._wheeled < WHEEL_REST:
+            self._refresh()
+            return True
+        return self.ui.session.playback.playing
+
+    def _refresh(self) -> None:
+        """Draw the next frame at once instead of sleeping."""
+        if not self.null_platform:
             hello_imgui.request_refresh()
 
     def _panel_function(self, panel: Panel) -> Callable[[], None]:
@@ -196,6 +216,7 @@ class App:
     def _count_frames(self) -> None:
         """Leave after `frames` frames that show what was asked for."""
         waiting = self.ui.session.job is not None and time.monotonic() - self._start < SCREENSHOT_PATIENCE
+        self.ui.session.image.invalidate()  # so that timings show a frame's cost, not that of the first one
         self._settled = 0 if waiting else self._settled + 1
         if self._settled >= self.frames:
             self.params.app_shall_exit = True

@@ -99,7 +99,7 @@ class Document:
 
     def _instance_box(self, instance: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         instances = self.runtime.scene.instances
-        info = self.runtime.residency.mesh(int(instances.mesh[instance]))
+        info = self.runtime.residency.meshes[int(instances.mesh[instance])]
         submesh = info.asset.submeshes[int(instances.submesh[instance])]
         return np.asarray(submesh.bounds_min, dtype=np.float64), np.asarray(submesh.bounds_max, dtype=np.float64)
 

@@ -13,7 +13,7 @@ SPLITS = (
     ("MainDockSpace", "Right", imgui.Dir.right, 0.245),
     ("MainDockSpace", "Left", imgui.Dir.left, 0.21),
     ("Left", "LeftBottom", imgui.Dir.down, 0.42),
-    ("MainDockSpace", "Bottom", imgui.Dir.down, 0.235),
+    ("MainDockSpace", "Bottom", imgui.Dir.down, 0.27),
     ("Bottom", "BottomRight", imgui.Dir.right, 0.46),
 )
 DOCKS = ("MainDockSpace", *(split[1] for split in SPLITS))

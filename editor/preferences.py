@@ -28,6 +28,8 @@ class Preferences:
     show_axes: bool = True
     show_stats: bool = True
     show_outline: bool = True
+    #: render at half resolution while something moves and full resolution is slow
+    adaptive_resolution: bool = True
     fly_speed: float = 1.0
 
     def add_recent(self, path: Path) -> None:

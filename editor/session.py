@@ -5,7 +5,8 @@ Panels read it and call it; operations are its named actions; tests drive it wit
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Hashable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -64,6 +65,8 @@ class Session:
     width: int = 1280
     height: int = 720
     save_preferences: bool = True
+    #: the user is dragging something, or time runs: pictures should come soon rather than sharp
+    interacting: bool = False
     #: name of a node to select when a document opens
     select_on_open: str = ""
     #: whether anything the user asked to open could not be
@@ -91,7 +94,8 @@ class Session:
             self.messages.info(f"Opening {job.path.name} was cancelled")
         else:
             try:
-                runtime = self.host.open_runtime(self.device, job.result.scene)
+                with self.device_frame():
+                    runtime = self.host.open_runtime(self.device, job.result.scene)
             except LucarnaError as error:
                 self.messages.findings(job.result.findings)
                 self.fail(error)
@@ -123,7 +127,8 @@ class Session:
         """Close the open document, if any, without asking."""
         if self.document is not None:
             self.image.forget()
-            self.document.close()
+            with self.device_frame():
+                self.document.close()
             self.document = None
             self.playback = Playback()
 
@@ -246,19 +251,15 @@ class Session:
         if self.document is not None:
             self.camera = camera_controls.frame(self.camera, *self.document.bounds(), self.aspect)
 
-    def pick(self, x: int, y: int, *, toggle: bool = False) -> int:
-        """Select what shows at viewport pixel (x, y); returns the node row, or -1."""
+    def pick(self, u: float, v: float, *, toggle: bool = False) -> int:
+        """Select what shows at (u, v) of the viewport, 0..1 from its top left; returns the node row, or -1."""
         if self.document is None or self.image.frame is None:
             return -1
-        device = self.device
-        device.begin_frame()
         try:
-            row = int(self.document.runtime.pick(self.view(), x, y))
+            row = int(self.document.runtime.pick(self.view(), u * self.width, v * self.height))
         except LucarnaError as error:
             self.messages.error(error)
             return -1
-        finally:
-            device.end_frame()
         self.document.select(row, toggle=toggle)
         return row
 
@@ -307,7 +308,17 @@ class Session:
     def _quit(self) -> None:
         self.ui.quit = True
 
+    @contextmanager
+    def device_frame(self) -> Iterator[None]:
+        """Between the window library's own drawing: the device sets its state up, and hands the library's back."""
+        self.device.begin_frame()
+        try:
+            yield
+        finally:
+            self.device.end_frame()
+
     def _start(self, path: Path) -> None:
+        path = path.resolve()
         if self.job is not None:
             self.job.cancel()
         self.ui.welcome = False

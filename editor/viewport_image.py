@@ -12,6 +12,8 @@ if TYPE_CHECKING:
 
 #: larger targets are refused by many drivers and never shown
 MAX_SIZE = 8192
+#: a frame slower than this is not fluid
+SLOW_MS = 45.0
 
 
 class ViewportImage:
@@ -24,6 +26,7 @@ class ViewportImage:
         self.width = 0
         self.height = 0
         self._key: Hashable = None
+        self._moving = self._coarse = False
 
     def update(self, session: Session, width: int, height: int) -> Any:
         """The frame for `session` at `width` x `height` pixels; renders if it differs from the one at hand.
@@ -35,24 +38,33 @@ class ViewportImage:
         width, height = min(width, MAX_SIZE), min(height, MAX_SIZE)
         session.width, session.height = width, height
         runtime = document.runtime
+        runtime.scene.update()
         key = (id(runtime), width, height, *session.visible_state())
         if key == self._key:
             return self.frame
-        device = session.device
-        device.begin_frame()
         try:
-            runtime.scene.update()
-            self.frame = runtime.render(session.view())
+            with session.device_frame():
+                self.frame = runtime.render(session.view())
             self.renders += 1
             self.width, self.height, self.error = width, height, ""
         except LucarnaError as error:
             self.error = str(error)
             session.messages.error(error)
-        finally:
-            device.end_frame()
         # taken after the render: streaming may have moved a revision, and that is shown by the next one
         self._key = key
         return self.frame
+
+    def resolution(self, session: Session) -> float:
+        """1, or 0.5 while something moves and frames at full resolution take too long to follow it.
+
+        Decided when the movement begins and kept to its end, so that the picture does not flicker between the two."""
+        if not session.interacting or not session.preferences.adaptive_resolution:
+            self._coarse = False
+            self._moving = session.interacting
+        elif not self._moving:
+            self._moving = True
+            self._coarse = self.frame is not None and self.frame.stats.total_ms > SLOW_MS
+        return 0.5 if self._coarse else 1.0
 
     def invalidate(self) -> None:
         """Render again at the next update, whatever the state."""

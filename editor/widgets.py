@@ -31,14 +31,22 @@ def tooltip(value: str) -> None:
         imgui.end_tooltip()
 
 
+def bare_button(label: str, color: Rgba) -> bool:
+    """A button without frame or ground until it is hovered."""
+    imgui.push_style_color(imgui.Col_.button, imgui.ImVec4(0, 0, 0, 0))
+    imgui.push_style_color(imgui.Col_.text, imgui.ImVec4(*color))
+    imgui.push_style_var(imgui.StyleVar_.frame_border_size, 0.0)
+    clicked = bool(imgui.button(label))
+    imgui.pop_style_var()
+    imgui.pop_style_color(2)
+    return clicked
+
+
 def icon_button(label: str, hint: str, *, active: bool = False, enabled: bool = True) -> bool:
     """A frameless button; `active` colours it with the accent."""
-    imgui.push_style_color(imgui.Col_.button, imgui.ImVec4(0, 0, 0, 0))
-    imgui.push_style_color(imgui.Col_.text, imgui.ImVec4(*(theme.ACCENT if active else theme.TEXT)))
     imgui.begin_disabled(not enabled)
-    clicked = bool(imgui.button(label))
+    clicked = bare_button(label, theme.ACCENT if active else theme.TEXT)
     imgui.end_disabled()
-    imgui.pop_style_color(2)
     tooltip(hint)
     return clicked
 
@@ -74,8 +82,10 @@ def section(ui: Ui, title: str, *, opened: bool = True) -> bool:
     imgui.push_style_color(imgui.Col_.header, imgui.ImVec4(*theme.RAISED))
     imgui.push_style_color(imgui.Col_.header_hovered, imgui.ImVec4(*theme.FRAME_HOVER))
     imgui.push_style_color(imgui.Col_.header_active, imgui.ImVec4(*theme.FRAME_ACTIVE))
+    imgui.push_style_var(imgui.StyleVar_.frame_border_size, 0.0)
     with bold(ui):
         shown = bool(imgui.collapsing_header(title, flags))
+    imgui.pop_style_var()
     imgui.pop_style_color(3)
     return shown
 
@@ -104,12 +114,36 @@ def property_row(label: str, doc: str = "", *, changed: bool = False) -> None:
     imgui.set_next_item_width(-1)
 
 
+def fitted(value: str, width: float) -> str:
+    """`value`, or as much of its both ends as fits into `width` imgui units, with an ellipsis between."""
+    if imgui.calc_text_size(value).x <= width:
+        return value
+    low, high = 0, len(value)
+    while low < high:  # the most letters that still fit
+        middle = (low + high + 1) // 2
+        low, high = (middle, high) if imgui.calc_text_size(shortened(value, middle)).x <= width else (low, middle - 1)
+    return shortened(value, low)
+
+
+def shortened(value: str, letters: int) -> str:
+    """`letters` of `value`, two fifths from its start and the rest from its end: file names differ at the end."""
+    head = letters * 2 // 5
+    tail = letters - head
+    return f"{value[:head]}…{value[len(value) - tail :]}"
+
+
+def fitted_text(value: str, color: Rgba = theme.TEXT, *, more: str = "") -> None:
+    """Text that fits into what is left of the line; the whole of it and `more` in a tooltip."""
+    shown = fitted(value, imgui.get_content_region_avail().x)
+    text(shown, color)
+    tooltip("\n".join(part for part in (value if shown != value else "", more) if part))
+
+
 def property_text(label: str, value: str, doc: str = "") -> None:
     """A row that only tells."""
     property_row(label, doc)
     imgui.align_text_to_frame_padding()
-    imgui.text_unformatted(value)
-    tooltip(value if len(value) > 28 else "")
+    fitted_text(value)
 
 
 def empty_state(icon: str, line: str, more: str = "") -> None:

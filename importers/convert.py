@@ -125,8 +125,12 @@ def _write_textures(
         data = source.data()
         if data is None:
             continue
-        suffix = f".{role}" if len(roles[image]) > 1 else ""
-        file = f"{names.take(f'{base}.{safe_name(source.name)}{suffix}')}.dds"
+        if source.name:
+            title = f"{source.name}.{role}" if len(roles[image]) > 1 else source.name
+        else:
+            first, slot = uses[image, role][0]
+            title = f"{model.materials[first].asset.name}.{slot.removesuffix('_map')}"
+        file = f"{names.take(f'{base}.{safe_name(title)}')}.dds"
         jobs.append(TextureJob(image, role, data, folder / file, source.path))
     written = write_textures(jobs, settings, model.findings, progress)
     for job, path in zip(jobs, written, strict=True):

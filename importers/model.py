@@ -15,9 +15,9 @@ from engine.core.findings import Findings
 
 @dataclass(slots=True)
 class SourceImage:
-    """An image of the source, still encoded. `data` is None where it could not be had (a finding says why).
+    """An image of the source, still encoded. `data` gives None where it is not to be had (a finding says why).
 
-    `path`: where it is in the source (`images[2]`), for findings.
+    `name` may be empty: then the first slot that shows it names its file. `path`: where it is in the source (`images[2]`), for findings.
     """
 
     name: str

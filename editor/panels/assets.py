@@ -11,7 +11,7 @@ from editor import icons, theme
 from editor.panels.base import Panel
 from editor.panels.folder_listing import Entry, FolderListing, can_open, size_text
 from editor.ui import Ui
-from editor.widgets import em, empty_state, search_field, text, tooltip
+from editor.widgets import em, empty_state, fitted, search_field, text, tooltip
 
 KIND_LOOKS = {
     "folder": (icons.FOLDER, theme.rgb("#c9a46a")),
@@ -86,7 +86,7 @@ class AssetsPanel(Panel):
         imgui.same_line(start)
         text(icon, color)
         imgui.same_line(0, em(0.4))
-        text(entry.name, theme.TEXT if openable else theme.DIM)
+        text(fitted(entry.name, imgui.get_content_region_avail().x), theme.TEXT if openable else theme.DIM)
 
 
 def asset_root(ui: Ui) -> Path | None:

@@ -119,7 +119,7 @@ class InspectorPanel(Panel):
         if not section(ui, f"{icons.MESH}  Mesh", opened=False):
             return
         scene, residency = document.runtime.scene, document.runtime.residency
-        mesh = residency.mesh(int(scene.instances.mesh[instances[0]])).asset
+        mesh = residency.meshes[int(scene.instances.mesh[instances[0]])].asset
         submeshes = [mesh.submeshes[int(scene.instances.submesh[i])] for i in instances]
         triangles = sum(s.index_count // 3 for s in submeshes if s.topology == "triangles")
         low, high = document.bounds((document.primary,))

@@ -12,7 +12,7 @@ from editor.document import Document
 from editor.param_widgets import param_row
 from editor.tables import material_values
 from editor.ui import Ui
-from editor.widgets import em, pretty, property_grid, property_row, property_text, section, text, tooltip
+from editor.widgets import em, fitted_text, pretty, property_grid, property_row, property_text, section, text, tooltip
 
 
 def draw_material(ui: Ui, document: Document, material: int) -> None:
@@ -59,8 +59,7 @@ def _textures(record: Any) -> None:
             else:
                 text(icons.PICTURE, theme.INFO)
                 imgui.same_line(0, em(0.4))
-                imgui.text_unformatted(Path(ref.path).name)
-                tooltip(_describe(ref))
+                fitted_text(Path(ref.path).name, more=_describe(ref))
 
 
 def _describe(ref: Any) -> str:

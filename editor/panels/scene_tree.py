@@ -11,7 +11,7 @@ from editor.document import Document
 from editor.panels.base import Panel
 from editor.panels.tree_rows import UNFOLD_LIMIT, TreeRow, ancestors, kinds, matching_rows, visible_rows
 from editor.ui import Ui
-from editor.widgets import em, empty_state, search_field, text
+from editor.widgets import bare_button, em, empty_state, fitted, search_field, text
 
 KIND_ICONS = {
     "mesh": (icons.MESH, theme.INFO),
@@ -120,16 +120,13 @@ class SceneTreePanel(Panel):
         icon, color = KIND_ICONS[self._kinds.get(row) or ("group" if item.has_children else "")]
         text(icon, color if shown else theme.FAINT)
         imgui.same_line(0, em(0.35))
-        text(name, theme.TEXT if shown else theme.FAINT)
+        text(fitted(name, imgui.get_content_region_avail().x), theme.TEXT if shown else theme.FAINT)
         imgui.table_next_column()
         own = bool(nodes.visible[row])
         color = theme.FAINT if not own else theme.DIM if hovered or selected else theme.rgb("#565c66")
-        imgui.push_style_color(imgui.Col_.text, imgui.ImVec4(*color))
-        imgui.push_style_color(imgui.Col_.button, imgui.ImVec4(0, 0, 0, 0))
-        if imgui.button(f"{icons.VISIBLE if own else icons.HIDDEN}###eye{row}"):
+        if bare_button(f"{icons.VISIBLE if own else icons.HIDDEN}###eye{row}", color):
             rows = document.selection if row in document.selection else (row,)
             ui.session.set_visible(rows, not own)
-        imgui.pop_style_color(2)
 
     def _arrow(self, item: TreeRow) -> None:
         if not item.has_children:

@@ -54,7 +54,8 @@ class ViewportPanel(Panel):
     def _picture(self, ui: Ui, width: float, height: float) -> None:
         session = ui.session
         origin = imgui.get_cursor_screen_pos()
-        frame = session.image.update(session, round(width * ui.pixel_scale), round(height * ui.pixel_scale))
+        scale = ui.pixel_scale * session.image.resolution(session)
+        frame = session.image.update(session, round(width * scale), round(height * scale))
         imgui.invisible_button(
             "##picture",
             (width, height),
@@ -117,17 +118,13 @@ class ViewportPanel(Panel):
                     self._move(ui, io.mouse_delta.x, io.mouse_delta.y, height, io.delta_time)
             else:
                 if self._travel <= em(CLICK_SLOP) and self._button == 0:
-                    self._click(ui, io.mouse_pos.x - x, io.mouse_pos.y - y)
+                    session.pick((io.mouse_pos.x - x) / width, (io.mouse_pos.y - y) / height, toggle=bool(io.key_ctrl))
                 self.motion = ""
         self.flying = self.motion == "fly"
         if self.flying:
             imgui.set_mouse_cursor(imgui.MouseCursor_.resize_all)
         if hovered or self.flying:
             self._wheel(ui, (io.mouse_pos.x - x) / width, (io.mouse_pos.y - y) / height, width / height, height)
-
-    def _click(self, ui: Ui, x: float, y: float) -> None:
-        scale = ui.pixel_scale
-        ui.session.pick(int(x * scale), int(y * scale), toggle=bool(imgui.get_io().key_ctrl))
 
     def _move(self, ui: Ui, dx: float, dy: float, height: float, seconds: float) -> None:
         session = ui.session

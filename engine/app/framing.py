@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
@@ -14,38 +15,79 @@ from engine.scene.scene import Scene
 
 #: degrees from the front (+Z) towards +X, and above the horizon
 AZIMUTH, ELEVATION = 30.0, 18.0
+#: how much of the picture's width or height the scene may fill
+FILL = 0.9
+#: vertices looked at for framing; a scene with more is framed by its boxes
+POINT_LIMIT = 2_000_000
+
+
+def frame_points(
+    points: NDArray[np.float64], aspect: float, *,
+    azimuth: float = AZIMUTH, elevation: float = ELEVATION, yfov: float = math.radians(40.0),
+) -> Camera:  # fmt: skip
+    """The nearest camera in that direction that has all `points` (f8[n,3], world) in the picture, with a small margin.
+
+    Angles in degrees, `yfov` in radians. No or non-finite points give a camera that sees the unit cube.
+    """
+    points = points[np.isfinite(points).all(axis=1)]
+    if len(points) == 0:
+        points = np.array(list(itertools.product((-0.5, 0.5), repeat=3)))
+    low, high = points.min(axis=0), points.max(axis=0)
+    center = (low + high) / 2
+    radius = max(float(np.linalg.norm(high - low)) / 2, 1e-6)
+    pose = look_at(center + _direction(high - low, radius, azimuth, elevation), center)
+    # In the camera's axes, |x - cx| <= tx (d - z) must hold for all points, and the same for y: the smallest d and the
+    # best cx follow from the largest x + tx z and the largest -x + tx z.
+    x, y, z = ((points - center) @ pose[:3, :3]).T
+    ty = math.tan(yfov / 2) * FILL
+    tx = ty * aspect
+    right, left = float((x + tx * z).max()), float((-x + tx * z).max())
+    top, bottom = float((y + ty * z).max()), float((-y + ty * z).max())
+    distance = max((right + left) / (2 * tx), (top + bottom) / (2 * ty), float(z.max()) + 0.05 * radius)
+    pose[:3, 3] = center + pose[:3, :3] @ np.array([(right - left) / 2, (top - bottom) / 2, distance])
+    nearest = distance - float(z.max())
+    return Camera(pose, yfov, znear=max(nearest * 0.2, distance * 1e-3), zfar=distance + 4 * radius)
 
 
 def frame_bounds(
     low: NDArray[np.float64], high: NDArray[np.float64], aspect: float, *,
     azimuth: float = AZIMUTH, elevation: float = ELEVATION, yfov: float = math.radians(40.0),
 ) -> Camera:  # fmt: skip
-    """A camera that sees the box [low, high] (f8[3], world) with a small margin; angles in degrees, `yfov` in radians.
+    """As `frame_points` for the box [low, high] (f8[3], world); an empty one counts as no points."""
+    empty = not (np.isfinite(low).all() and np.isfinite(high).all()) or bool((low > high).any())
+    corners = [] if empty else list(itertools.product(*zip(low, high, strict=True)))
+    points = np.array(corners, np.float64).reshape(-1, 3)
+    return frame_points(points, aspect, azimuth=azimuth, elevation=elevation, yfov=yfov)
 
-    An empty or non-finite box gives a camera 3 m from the origin.
-    """
-    if not (np.isfinite(low).all() and np.isfinite(high).all()) or (low > high).any():
-        low, high = np.full(3, -0.5), np.full(3, 0.5)
-    center = (low + high) / 2
-    radius = max(float(np.linalg.norm(high - low)) / 2, 1e-6)
-    a, e = math.radians(azimuth), math.radians(elevation)
-    back = np.array([math.sin(a) * math.cos(e), math.sin(e), math.cos(a) * math.cos(e)])
-    # A flat thing is looked at along its thin axis, or it would be a line.
-    size = high - low
+
+def _direction(size: NDArray[np.float64], radius: float, azimuth: float, elevation: float) -> NDArray[np.float64]:
+    """From the scene to the camera, unit. A flat thing is looked at along its thin axis, or it would be a line."""
     thin = int(np.argmin(size))
-    if size[thin] < 1e-3 * radius:
-        back = np.eye(3)[thin] + 1e-3 * np.array([0.0, 0.0, 1.0])
-        back /= np.linalg.norm(back)
-    up = np.array([0.0, 1.0, 0.0]) if abs(back[1]) < 0.99 else np.array([0.0, 0.0, -1.0])
-    pose = look_at(center + back, center, up)
-    corners = np.array([[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])])
-    local = (corners - center) @ pose[:3, :3]
-    half_y = math.tan(yfov / 2) * 0.92
-    half_x = half_y * aspect
-    distance = float(np.max(np.maximum(np.abs(local[:, 0]) / half_x, np.abs(local[:, 1]) / half_y) + local[:, 2]))
-    distance = max(distance, 0.05 * radius)
-    pose[:3, 3] = center + back * distance
-    return Camera(pose, yfov, znear=max(distance - radius, distance * 1e-3) * 0.2, zfar=distance + 4 * radius)
+    if size[thin] < 1e-3 * radius and float(np.sort(size)[1]) > 1e-3 * radius:
+        along = np.eye(3)[thin] + np.array([0.0, 0.0, 1e-3])  # looking straight down, north is up
+        return along / np.linalg.norm(along)
+    if size[2] < 0.25 * min(size[0], size[1]) and (azimuth, elevation) == (AZIMUTH, ELEVATION):
+        azimuth = elevation = 0.0  # a card or relief that faces the front is made to be seen head-on
+    a, e = math.radians(azimuth), math.radians(elevation)
+    return np.array([math.sin(a) * math.cos(e), math.sin(e), math.cos(a) * math.cos(e)])
+
+
+def scene_points(scene: Scene, residency: Residency) -> NDArray[np.float64]:
+    """World positions f8[n,3] of what is drawn: every vertex, or the boxes' corners where those are too many."""
+    table = scene.instances
+    rows = np.flatnonzero(table.drawn)
+    meshes = [residency.meshes[mesh].asset for mesh in table.mesh[rows].tolist()]
+    if sum(mesh.vertex_count for mesh in meshes) > POINT_LIMIT:
+        low, high = scene_box(scene, residency)
+        return np.array(list(itertools.product(*zip(low, high, strict=True))), np.float64)
+    pairs = dict.fromkeys(zip(table.node[rows].tolist(), (id(mesh) for mesh in meshes), strict=True))
+    by_id = {id(mesh): mesh for mesh in meshes}
+    worlds = {node: scene.nodes.world[node] for node, _ in pairs}
+    parts = [
+        np.asarray(by_id[mesh].streams["position"], np.float64) @ worlds[node][:, :3].T + worlds[node][:, 3]
+        for node, mesh in pairs
+    ]
+    return np.concatenate(parts) if parts else np.zeros((0, 3))
 
 
 def scene_box(scene: Scene, residency: Residency) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.animation.sample import ClipPlayer
-from engine.app.framing import frame_bounds, scene_box
+from engine.app.framing import AZIMUTH, ELEVATION, frame_points, scene_box, scene_points
 from engine.app.picking import pick_node
 from engine.assets.clip import ClipAsset
 from engine.assets.lanim import read_lanim
@@ -142,8 +142,12 @@ class Runtime:
             camera = self.asset.nodes[node].camera
             if camera is not None:
                 return Camera.from_asset(camera, self.scene.nodes.world_matrix(int(self.node_rows[node])))
-        low, high = self.bounds()
-        return frame_bounds(low, high, aspect)
+        return self.framing_camera(aspect)
+
+    def framing_camera(self, aspect: float, azimuth: float = AZIMUTH, elevation: float = ELEVATION) -> Camera:
+        """A camera that sees everything drawn from that direction (degrees)."""
+        points = scene_points(self.scene, self.residency)
+        return frame_points(points, aspect, azimuth=azimuth, elevation=elevation)
 
     def bounds(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """The box (min, max: f8[3], world) of everything drawn; infinite and empty when nothing is."""

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.assets.scene import EnvironmentAsset
+from engine.assets.environment_dds import sun_direction
 from engine.gpu.glsl_layout import Field, layout
 from engine.gpu.types import Buffer, Device
 from engine.scene.scene import Scene
@@ -34,14 +34,6 @@ def light_glsl(binding: int) -> str:
     )
 
 
-def sun_direction(environment: EnvironmentAsset, rotation: float) -> NDArray[np.float64]:
-    """The direction in which the environment's sun shines, world space. `rotation`: the view's extra turn, radians."""
-    azimuth = environment.sun_azimuth + environment.rotation + rotation
-    cos_elevation = math.cos(environment.sun_elevation)
-    to_sun = (cos_elevation * math.sin(azimuth), math.sin(environment.sun_elevation), cos_elevation * math.cos(azimuth))
-    return -np.array(to_sun)
-
-
 class LightRows:
     """`buffer`: the visible lights of a scene plus the environment's sun; `count` of them."""
 
@@ -58,7 +50,8 @@ class LightRows:
         has_sun = sun > 0.0
         rows = np.zeros(len(world) + has_sun, LIGHT_LAYOUT.dtype)
         if has_sun:
-            rows["direction"][0] = sun_direction(scene.environment, rotation)
+            turned = scene.environment.sun_azimuth + scene.environment.rotation + rotation
+            rows["direction"][0] = -sun_direction(replace(scene.environment, sun_azimuth=turned))
             rows["color"][0] = sun
         lit = rows[int(has_sun) :]
         if len(world):

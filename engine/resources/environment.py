@@ -13,18 +13,18 @@ from engine.assets.texture import TextureAsset
 from engine.core.paths import shaders_dir
 from engine.gpu.types import Device, Sampler, SamplerDesc, Texture, TextureDesc
 
-#: Ramamoorthi and Hanrahan 2001, eq. 13: A_l / pi for the bands 0, 1, 2 (Lambert's cosine lobe over pi)
-LAMBERT_BANDS = np.array([1.0] + [2.0 / 3.0] * 3 + [0.25] * 5)
+#: Y_00, the constant spherical harmonic: a constant c projects to c / Y_00
+Y00 = 0.28209479177387814
 
 
 class EnvironmentMap:
-    """`cube`: GGX-prefiltered radiance, mip = perceptual roughness x (mips - 1). `irradiance_sh`: f4[9,4], the
-    radiance's SH coefficients times A_l / pi, so that uniform radiance 1 gives irradiance / pi = 1."""
+    """`cube`: GGX-prefiltered radiance, mip = perceptual roughness x (mips - 1). `sh9`: f4[9,3], irradiance / pi, as
+    engine.assets.environment_dds says; here as `irradiance_sh` f4[9,4]."""
 
-    def __init__(self, device: Device, cube: TextureAsset, radiance_sh: NDArray[np.floating]) -> None:
+    def __init__(self, device: Device, cube: TextureAsset, sh9: NDArray[np.floating]) -> None:
         self.mips = cube.mip_count
         self.irradiance_sh = np.zeros((9, 4), np.float32)
-        self.irradiance_sh[:, :3] = np.asarray(radiance_sh, np.float64).reshape(9, 3) * LAMBERT_BANDS[:, None]
+        self.irradiance_sh[:, :3] = sh9
         self.texture = device.texture(
             TextureDesc(
                 cube.format, cube.width, cube.height, "cube", layers=6, mips=cube.mip_count, label="environment"
@@ -38,15 +38,14 @@ class EnvironmentMap:
     @classmethod
     def from_file(cls, device: Device, path: Path) -> EnvironmentMap:
         """Read a baked environment (.dds). Raises FormatError."""
-        cube, radiance_sh = read_environment(path)
-        return cls(device, cube, radiance_sh)
+        return cls(device, *read_environment(path))
 
     @classmethod
     def uniform(cls, device: Device, color: tuple[float, float, float]) -> EnvironmentMap:
         """The same radiance from everywhere: one texel a face, one SH coefficient."""
         texel = np.array([*color, 1.0], np.float32).tobytes()
         sh = np.zeros((9, 3))
-        sh[0] = np.array(color) / 0.28209479177387814  # Y_00: the projection of a constant c is c / Y_00
+        sh[0] = np.array(color) / Y00
         return cls(device, TextureAsset("rgba32f", 1, 1, [[texel] for _ in range(6)], cube=True), sh)
 
     def release(self) -> None:

@@ -105,7 +105,6 @@ def _render_settings(args: argparse.Namespace) -> RenderSettings:
 
 
 def _camera(runtime: Runtime, args: argparse.Namespace, aspect: float) -> Camera:
-    from engine.app.framing import frame_bounds
     from engine.render.camera import Camera
 
     if args.orbit:
@@ -113,9 +112,9 @@ def _camera(runtime: Runtime, args: argparse.Namespace, aspect: float) -> Camera
             azimuth, elevation = (float(v) for v in args.orbit.split(","))
         except ValueError as error:
             raise UsageError(f"--orbit {args.orbit!r}: expected AZIMUTH,ELEVATION in degrees") from error
-        return frame_bounds(*runtime.bounds(), aspect, azimuth=azimuth, elevation=elevation)
+        return runtime.framing_camera(aspect, azimuth, elevation)
     if args.camera == "auto":
-        return frame_bounds(*runtime.bounds(), aspect)
+        return runtime.framing_camera(aspect)
     if args.camera:
         names = {n.name: i for i, n in enumerate(runtime.asset.nodes) if n.camera is not None}
         if args.camera not in names:

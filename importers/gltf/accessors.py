@@ -59,7 +59,7 @@ class Accessors:
         if self._document.objects("accessors")[index].get("normalized") is not True:
             return np.asarray(values, np.float32)
         scale = float(np.iinfo(values.dtype).max)
-        return np.maximum(np.asarray(values, np.float32) / np.float32(scale), np.float32(-1.0))
+        return np.asarray(np.maximum(np.asarray(values, np.float32) / np.float32(scale), np.float32(-1.0)))
 
     def is_normalized(self, index: int) -> bool:
         return self._document.objects("accessors")[index].get("normalized") is True

@@ -128,4 +128,4 @@ def _unit_rotations(doc: Document, values: NDArray[np.float32], where: str) -> N
         length = np.where(zero, 1.0, length)
     if (np.abs(length - 1.0) > 1e-2).any():
         doc.findings.warn("gltf.rotation", "some keys are not of length 1; normalised", f"{where}.output")
-    return (values / length[:, None, None]).astype("<f4")
+    return np.asarray(values / length[:, None, None], np.float32)

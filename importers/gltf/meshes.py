@@ -227,7 +227,7 @@ class MeshReader:
         thin = zero_area(vertices.position, kept)
         if thin.any():
             self._thin.append((where, int(thin.sum())))
-        return kept
+        return np.asarray(kept)
 
     def _morphs(self, targets: list[JsonObject], count: int, where: str) -> Morphs:
         doc, result = self._doc, []

@@ -115,7 +115,7 @@ def _image(doc: Document, container: Container, accessors: Accessors, index: int
             return None
         return bytes(data)
 
-    return SourceImage(name or f"image_{index}", fetch, where)
+    return SourceImage(name, fetch, where)
 
 
 class _Builder:

@@ -3,15 +3,18 @@ from __future__ import annotations
 import ctypes
 import gc
 import logging
+import subprocess
+import sys
 import threading
 from typing import Any
 
-import moderngl
+import glcontext
 import numpy as np
 import pytest
 
 from engine.core.errors import DeviceError, ShaderError, UsageError
 from engine.gpu import open_device
+from engine.gpu.gl import context
 from engine.gpu.gl import enums as e
 from engine.gpu.gl.capabilities import SOFTWARE, reversed_z_works
 from engine.gpu.gl.context import lacking
@@ -33,9 +36,8 @@ RED = "out vec4 color; void main() { color = vec4(1, 0, 0, 1); }"
 
 
 def pipeline_desc(fragment: str = RED, **state: Any) -> RenderPipelineDesc:
-    return RenderPipelineDesc(
-        "t", ShaderSource("vertex", VERTEX), ShaderSource("fragment", fragment), depth=None, **state
-    )
+    vertex = ShaderSource("vertex", VERTEX)
+    return RenderPipelineDesc("t", vertex, ShaderSource("fragment", fragment), depth=None, **state)
 
 
 def red_picture(device: Device) -> list[int]:
@@ -94,11 +96,22 @@ def test_no_context_is_a_device_error_that_says_what_to_do(monkeypatch: pytest.M
     def refuse(**options: Any) -> None:
         raise RuntimeError("cannot detect the display")
 
-    monkeypatch.setattr(moderngl, "create_context", refuse)
+    monkeypatch.setattr(glcontext, "get_backend_by_name", lambda name: refuse)
+    monkeypatch.setattr(glcontext, "default_backend", lambda: refuse)
     with pytest.raises(DeviceError, match=r"cannot detect the display.*install Mesa"):
         open_device("gl")
-    with pytest.raises(DeviceError, match="no OpenGL context is current"):
-        open_device("gl", attach=True)
+
+
+def test_attaching_to_nothing_is_a_device_error() -> None:
+    code = "from engine.gpu import open_device; open_device('gl', attach=True)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert "DeviceError: no OpenGL context is current on this thread (open the window first" in done.stderr
+
+
+def test_a_driver_that_is_too_old_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(context, "lacking", lambda version, extensions: ["OpenGL 4.3", "GL_ARB_clip_control"])
+    with pytest.raises(DeviceError, match=r"OpenGL 4\.\d by .* lacks OpenGL 4\.3, GL_ARB_clip_control; OpenGL 4\.5"):
+        open_device("gl")
 
 
 def test_pipelines_are_shared_and_counted(gl_device: Device) -> None:
@@ -289,9 +302,9 @@ def test_release_frees_everything_and_late_collection_is_harmless(gl_device: Dev
 @pytest.fixture
 def window() -> Any:
     """A context that somebody else made and made current, as a window does."""
-    context = moderngl.create_context(standalone=True, backend="egl")
-    yield context
-    context.release()
+    handle = glcontext.get_backend_by_name("egl")(mode="standalone", glversion=450)
+    yield handle
+    handle.release()
     GlDevice._current = None
 
 
@@ -304,8 +317,7 @@ def _integer(device: GlDevice, what: int) -> int:
 def test_attached_device_hands_the_context_back(gl_device: Device, window: Any) -> None:
     device = open_device("gl", attach=True, debug=True)
     assert isinstance(device, GlDevice)
-    screen = window.simple_framebuffer((4, 4))
-    source = gl_source = device.texture(TextureDesc("rgba8", 4, 4))
+    source = device.texture(TextureDesc("rgba8", 4, 4))
     try:
         for _ in range(2):
             device.begin_frame()
@@ -324,7 +336,6 @@ def test_attached_device_hands_the_context_back(gl_device: Device, window: Any) 
             assert _integer(device, e.UNPACK_ALIGNMENT) == 4
             assert not any(device.gl.IsEnabled(what) for what in (e.BLEND, e.CULL_FACE, e.DEPTH_TEST, e.SCISSOR_TEST))
             # the toolkit leaves its own state behind
-            screen.use()
             device.gl.Enable(e.SCISSOR_TEST)
             device.gl.Enable(e.BLEND)
             device.gl.ColorMask(0, 0, 0, 0)
@@ -333,7 +344,7 @@ def test_attached_device_hands_the_context_back(gl_device: Device, window: Any) 
         source.write(np.full((4, 4, 4), 7, np.uint8))
         assert source.read().min() == 7
     finally:
-        gl_source.release()
+        source.release()
         device.release()
 
 

@@ -36,9 +36,8 @@ def test_records_what_was_asked_in_order(null_device: NullDevice) -> None:
     positions, objects = device.buffer(48), device.buffer(np.arange(8, dtype=np.uint32))
     index, block = device.buffer(np.zeros(12, np.uint32)), device.buffer(256)
     commands = device.buffer(np.uint32([[6, 2, 0, 0, 0], [6, 1, 6, 0, 7]]))
-    with device.render_pass(
-        "main", [ColorAttachment(color, clear=(0, 0, 0, 1))], DepthAttachment(depth, 0.0)
-    ) as encoder:
+    clear = ColorAttachment(color, clear=(0, 0, 0, 1))
+    with device.render_pass("main", [clear], DepthAttachment(depth, 0.0)) as encoder:
         encoder.set_pipeline(pipeline(device))
         encoder.set_bindings(Bindings(uniforms={0: block}))
         encoder.set_vertex_buffers({"position": positions, "object": objects}, index)

@@ -1,6 +1,6 @@
 """The OpenGL backend: GL 4.5 core, or 4.3 with direct state access and clip control. Imported only by open_device.
 
-    context    moderngl makes or finds the context; its loader gives functions.Functions, raw calls by ctypes
+    context    makes the context (glcontext) or finds the window's; its loader gives functions.Functions, by ctypes
     device     GlDevice: creates everything below, owns caches and the queue of objects to free
     state      StateCache: what is bound now, so that a pass only issues what differs
     buffer, texture, sampler, shader, pipeline, vertex_array, framebuffer     one kind of object each

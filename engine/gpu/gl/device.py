@@ -219,6 +219,11 @@ class GlDevice:
             self.state.hand_back()
             self._in_frame = False
 
+    def transfer_done(self) -> None:
+        """After an upload or download: between frames the window's toolkit must not find its pixel store changed."""
+        if not self._in_frame:
+            self.state.default_pixels()
+
     def check_errors(self, where: str) -> None:
         """Raise DeviceError if the driver noted an error since the last check."""
         self.ensure_current()

@@ -86,13 +86,20 @@ class StateCache:
 
     def tight_pixels(self) -> None:
         """Uploads and downloads are tightly packed and use memory, not pixel buffers."""
-        if not self._tight:
+        if not self._tight:  # never so between the frames of an attached device
             for what, value in _TIGHT_PIXELS:
                 self._gl.PixelStorei(what, value)
             self._gl.BindBuffer(e.PIXEL_UNPACK_BUFFER, 0)
             self._gl.BindBuffer(e.PIXEL_PACK_BUFFER, 0)
             self._device.counters.api_calls += len(_TIGHT_PIXELS) + 2
             self._tight = True
+
+    def default_pixels(self) -> None:
+        """GL's own defaults again: what others who share the context count on."""
+        for what, value in _TIGHT_PIXELS:
+            self._gl.PixelStorei(what, 4 if value else 0)  # alignment 4, all else 0
+        self._device.counters.api_calls += len(_TIGHT_PIXELS)
+        self._tight = False
 
     def bind_framebuffer(self, name: int) -> None:
         if self.framebuffer != name:
@@ -292,7 +299,6 @@ class StateCache:
         gl.FrontFace(e.CCW)
         gl.PolygonMode(e.FRONT_AND_BACK, e.FILL)
         gl.PolygonOffset(0.0, 0.0)
-        for what, value in _TIGHT_PIXELS:
-            gl.PixelStorei(what, 4 if value else 0)  # alignment 4, all else 0
+        self.default_pixels()
         gl.ActiveTexture(e.TEXTURE0)
-        self._device.counters.api_calls += calls + 27 + len(_TIGHT_PIXELS)
+        self._device.counters.api_calls += calls + 27

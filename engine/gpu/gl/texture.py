@@ -80,6 +80,7 @@ class GlTexture(GlObject):
             else:
                 gl.TextureSubImage2D(self.id, level, 0, 0, width, height, texel.layout, texel.number, address)
         del keep
+        device.transfer_done()
         device.counters.api_calls += 1
         device.counters.bytes_uploaded += size
 
@@ -96,6 +97,7 @@ class GlTexture(GlObject):
         device.gl.GetTextureSubImage(
             self.id, level, 0, 0, layer, width, height, 1, texel.layout, texel.read_number, out.nbytes, out.ctypes.data
         )
+        device.transfer_done()
         device.counters.api_calls += 1
         device.counters.bytes_read += out.nbytes
         return out

@@ -139,14 +139,11 @@ class Residency:
             index_count=36, topology="triangles", bounds_min=(-0.5, -0.5, -0.5), bounds_max=(0.5, 0.5, 0.5)
         )
         mesh = SimpleNamespace(name="box", submeshes=[part], vertex_count=24, layout=("position", "normal", "uv0"))
-        self._mesh = SimpleNamespace(asset=mesh)
+        self.meshes = [SimpleNamespace(asset=mesh)]
         self.structure_rev = 1
 
     def material(self, material: int) -> Any:
         return self.records[material]
-
-    def mesh(self, mesh: int) -> Any:
-        return self._mesh
 
     def set_material_param(self, material: int, name: str, value: Any) -> None:
         self.records[material].asset.params[name] = value
