@@ -43,7 +43,7 @@ def param_row(param: Param, value: Any, *, id: str = "", label: str = "", degree
     changed, new = edit_value(param, value, degrees=degrees)
     if not is_default:
         imgui.same_line(0, em(0.2))
-        reset = icon_button(icons.RESET, f"Back to {format_value(param.default)}")
+        reset = icon_button(f"{icons.RESET}###reset", f"Back to {format_value(param.default)}")
     imgui.pop_id()
     return (True, param.default) if reset else (changed, new)
 

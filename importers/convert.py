@@ -22,7 +22,7 @@ from engine.assets.scene_json import write_scene
 from engine.core.errors import InputError, OutputError
 from engine.core.findings import Findings
 from importers.fingerprint import source_key
-from importers.model import ImportedModel
+from importers.model import ImportedModel, TextureUse
 from importers.naming import UniqueNames, safe_name
 from importers.registry import Importer, find_importer
 from importers.settings import ImportSettings
@@ -110,31 +110,33 @@ def stage(
 def _write_textures(
     model: ImportedModel, folder: Path, base: str, settings: ImportSettings, progress: Progress | None
 ) -> None:
-    """Encode every (image, role) once and point the materials at the files; failures leave the path empty."""
-    uses: dict[tuple[int, str], list[tuple[int, str]]] = {}
+    """Encode every use of an image once and point the materials at the files; failures leave the path empty."""
+    users: dict[TextureUse, list[tuple[int, str]]] = {}
     for m, material in enumerate(model.materials):
         for slot, use in sorted(material.images.items()):
-            uses.setdefault((use.image, use.role), []).append((m, slot))
+            users.setdefault(use, []).append((m, slot))
     roles: dict[int, set[str]] = {}
-    for image, role in uses:
-        roles.setdefault(image, set()).add(role)
+    for use in users:
+        roles.setdefault(use.image, set()).add(use.role)
     names = UniqueNames()
     jobs = []
-    for image, role in sorted(uses):
-        source = model.images[image]
+    for use, slots in sorted(users.items(), key=lambda item: (item[0].image, item[0].role, item[1])):
+        source = model.images[use.image]
         data = source.data()
         if data is None:
             continue
         if source.name:
-            title = f"{source.name}.{role}" if len(roles[image]) > 1 else source.name
+            title = f"{source.name}.{use.role}" if len(roles[use.image]) > 1 else source.name
         else:
-            first, slot = uses[image, role][0]
+            first, slot = slots[0]
             title = f"{model.materials[first].asset.name}.{slot.removesuffix('_map')}"
         file = f"{names.take(f'{base}.{safe_name(title)}')}.dds"
-        jobs.append(TextureJob(image, role, data, folder / file, source.path))
+        references = [model.materials[m].asset.textures[slot] for m, slot in slots]
+        wrap = all(r.wrap_u == r.wrap_v == "repeat" for r in references)
+        jobs.append(TextureJob(use, data, folder / file, source.path, wrap))
     written = write_textures(jobs, settings, model.findings, progress)
     for job, path in zip(jobs, written, strict=True):
-        for m, slot in uses[job.image, job.role]:
+        for m, slot in users[job.use]:
             model.materials[m].asset.textures[slot].path = path.name if path is not None else ""
 
 

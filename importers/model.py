@@ -17,7 +17,8 @@ from engine.core.findings import Findings
 class SourceImage:
     """An image of the source, still encoded. `data` gives None where it is not to be had (a finding says why).
 
-    `name` may be empty: then the first slot that shows it names its file. `path`: where it is in the source (`images[2]`), for findings.
+    `name` may be empty: then the first slot that shows it names its file. `path`: where it is in the
+    source (`images[2]`), for findings.
     """
 
     name: str
@@ -27,10 +28,13 @@ class SourceImage:
 
 @dataclass(frozen=True, slots=True)
 class TextureUse:
-    """Which image a slot shows, and as what: the role (color, normal, metal_rough, occlusion) picks the encoding."""
+    """Which image a slot shows, and as what: the role (color, normal, metal_rough, occlusion) picks the encoding.
+
+    `alpha_cutoff`: the alpha test's threshold on the image's own alpha; its mips then keep what passes."""
 
     image: int
     role: str
+    alpha_cutoff: float | None = None
 
 
 @dataclass(slots=True)

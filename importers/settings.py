@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from engine.core.errors import UsageError
 
 #: Texture encoding effort, from quick looks to final assets.
-PRESETS = ("draft", "normal", "final")
+PRESETS = ("draft", "normal", "high", "final")
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import os
 import shutil
+import threading
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -19,18 +20,23 @@ from engine.core.errors import InputError, LucarnaError, OutputError
 from engine.core.findings import Findings
 from engine.core.paths import user_cache_dir
 from importers.fingerprint import digest_of
+from importers.model import TextureUse
 from importers.settings import ImportSettings
+
+_DECODING = threading.Lock()
 
 
 @dataclass(frozen=True, slots=True)
 class TextureJob:
-    """Encode image number `image`, whose file holds `data`, as `role` into `target`. `place`: where it is named."""
+    """Encode the image file `data`, named at `place` in the source, for `use` into `target`.
 
-    image: int
-    role: str
+    `wrap`: it repeats in both directions wherever it is used."""
+
+    use: TextureUse
     data: bytes
     target: Path
     place: str
+    wrap: bool = True
 
 
 def write_textures(
@@ -51,7 +57,7 @@ def write_textures(
                 results.append(job.target)
             except InputError as error:
                 findings.error(
-                    "texture.image", f"the image cannot be used as {job.role}: {error.message}", job.place,
+                    "texture.image", f"the image cannot be used as {job.use.role}: {error.message}", job.place,
                     error.hint or "export the image again; it draws as magenta",
                 )  # fmt: skip
                 results.append(None)
@@ -60,40 +66,16 @@ def write_textures(
     return results
 
 
-def texture_key(data: bytes, role: str, settings: ImportSettings) -> str:
-    """The content key of an encoded texture."""
+def texture_key(job: TextureJob, settings: ImportSettings) -> str:
+    """The content key of an encoded texture: the image's bytes, and all that changes how they are encoded."""
     from importers.textures.encode import ENCODER_VERSION
 
-    return digest_of(data, role, settings.key(), str(ENCODER_VERSION))
-
-
-def _provisional(data: bytes, role: str) -> object:  # TEMPORARY until importers.textures.encode is there
-    import io
-
-    from PIL import Image
-
-    from engine.assets.texture import TextureAsset
-
-    im = Image.open(io.BytesIO(data)).convert("RGBA")
-    levels = [im.tobytes()]
-    w, h = im.size
-    while w > 1 or h > 1:
-        w, h = max(1, w // 2), max(1, h // 2)
-        im = im.resize((w, h), Image.Resampling.BOX)
-        levels.append(im.tobytes())
-    w, h = Image.open(io.BytesIO(data)).size
-    return TextureAsset("rgba8-srgb" if role == "color" else "rgba8", w, h, [levels])
+    use = f"{job.use.role} {job.use.alpha_cutoff} {job.wrap}"
+    return digest_of(job.data, use, settings.key(), ENCODER_VERSION)
 
 
 def _write(job: TextureJob, settings: ImportSettings) -> None:
-    import importlib.util
-
-    if importlib.util.find_spec("importers.textures.encode") is None:  # TEMPORARY
-        from engine.assets.dds import write_dds
-
-        write_dds(job.target, _provisional(job.data, job.role))  # type: ignore[arg-type]  # TEMPORARY
-        return
-    kept = user_cache_dir() / "textures" / f"{texture_key(job.data, job.role, settings)}.dds"
+    kept = user_cache_dir() / "textures" / f"{texture_key(job, settings)}.dds"
     if settings.use_texture_cache and kept.is_file():
         try:
             shutil.copyfile(kept, job.target)
@@ -104,7 +86,12 @@ def _write(job: TextureJob, settings: ImportSettings) -> None:
     from importers.textures.encode import encode
     from importers.textures.image import decode
 
-    texture = encode(decode(job.data, job.place, settings), job.role, settings)
+    # Pillow's limits and warning filters are globals; and decoding holds Python's lock anyway
+    with _DECODING:
+        pixels = decode(job.data, job.place, settings)
+    texture = encode(
+        pixels, job.use.role, settings, alpha_cutoff=job.use.alpha_cutoff, wrap=job.wrap, threads=settings.jobs
+    )
     write_dds(job.target, texture)
     try:
         with atomic_path(kept) as temporary:

@@ -19,8 +19,8 @@ I8 = NDArray[np.int64]
 class ClipPlayer:
     """A clip bound to node rows: `node_rows[i]` is the row of the clip's node i, or -1 to leave that node alone.
 
-    `findings` holds what was wrong with the clip; whatever could be used is played. A node removed from the scene
-    since, or whose row was used again, is left alone.
+    `findings` holds what was wrong with the clip; whatever could be used is played. A node removed since the first
+    `apply`, or whose row was used again, is left alone: a player belongs to one scene.
     """
 
     def __init__(self, clip: ClipAsset, node_rows: ArrayLike) -> None:

@@ -89,7 +89,7 @@ def _keys(channel: Channel, notes: Findings, place: str) -> tuple[F8, F8] | None
     if times.ndim != 1 or values.shape != expected:
         notes.warn("clip.shape", f"values have shape {values.shape}, expected {expected}; left out", place)
         return None
-    good = np.isfinite(times) & np.isfinite(values).reshape(len(times), -1).all(axis=1)
+    good = np.isfinite(times) & np.isfinite(values).all(axis=tuple(range(1, values.ndim)))
     if not good.all():
         notes.warn("clip.finite", f"{np.count_nonzero(~good)} keys are not finite, dropped", place)
         times, values = times[good], values[good]

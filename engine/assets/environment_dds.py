@@ -2,7 +2,7 @@
 
 The cube: faces +x -x +y -y +z -z as OpenGL orients them (row 0 is the top row of the texture, t = 0), world +Y up.
 Mip m of `mips` holds the radiance seen in a GGX mirror of perceptual roughness m / (mips - 1), viewed head-on
-(the split sum of Karis 2013); its last mip is 4 texels wide. `extras`:
+(the split sum of Karis 2013). `extras`:
 
     {"environment": "lucarna.env/1", "sh9": [[r, g, b] * 9], …}
 

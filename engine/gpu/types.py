@@ -303,7 +303,9 @@ class Device(Protocol):
     counters: Counters
 
     def buffer(self, data_or_size: bytes | int | NDArray[Any], *, label: str = "") -> Buffer: ...
-    def texture(self, desc: TextureDesc) -> Texture: ...
+    def texture(self, desc: TextureDesc) -> Texture:
+        """Its contents are undefined until written or drawn; a buffer made by size is zeros."""
+
     def sampler(self, desc: SamplerDesc) -> Sampler:
         """Cached: equal descs give the same sampler."""
 

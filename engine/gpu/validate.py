@@ -73,6 +73,8 @@ def texture_desc(desc: TextureDesc, caps: Caps) -> None:
     choice(f"{name}: kind", desc.kind, KINDS)
     if min(desc.width, desc.height, desc.layers, desc.depth, desc.mips, desc.samples) < 1:
         raise UsageError(f"{name}: sizes and counts must be at least 1, got {desc}")
+    if desc.samples > caps.max_samples:
+        raise DeviceError(f"{name}: this device has at most {caps.max_samples} samples, got {desc.samples}")
     largest = max(desc.width, desc.height, desc.depth)
     if desc.mips > largest.bit_length():
         raise UsageError(f"{name}: {desc.mips} mips, but {largest} texels have at most {largest.bit_length()}")
@@ -127,7 +129,7 @@ def texture_read(desc: TextureDesc, level: int, layer: int) -> None:
             hint="sample it into an uncompressed texture and read that",
         )
     if desc.samples > 1:
-        raise UsageError(f"{named('texture', desc.label)}: multisampled textures cannot be read back; resolve first")
+        raise UsageError(f"{named('texture', desc.label)}: multisampled textures cannot be read back")
 
 
 def texture_copy(source: TextureDesc, target: TextureDesc, layers: int) -> None:

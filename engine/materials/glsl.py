@@ -55,4 +55,18 @@ def _sampler(slot: str, features: frozenset[str]) -> str:
             "    vec3 p = vec3(uv, 1.0);",
             f"    uv = vec2(dot(m.{slot}_row0.xyz, p), dot(m.{slot}_row1.xyz, p));",
         ]
-    return "\n".join([*lines, f"    return texture(t_{slot}, vec3(uv, float(m.{slot}_layer)));", "}"])
+    at = f"t_{slot}, vec3(uv, float(m.{slot}_layer))"
+    if features & {"uv1", "uv_transform"}:
+        # Helper invocations (beside a triangle's edge) need not see `m`, which was read from a buffer: derivatives of
+        # uv would be garbage there and choose a wrong mip. Those of the inputs are sound.
+        lines.append("#ifdef STAGE_FRAGMENT")
+        for axis in "xy":
+            gradient = f"dFd{axis}(uv0)"
+            if "uv1" in features:
+                gradient = f"m.{slot}_uv == 1u ? dFd{axis}(uv1) : {gradient}"
+            lines.append(f"    vec2 d{axis} = {gradient};")
+            if "uv_transform" in features:
+                lines.append(f"    d{axis} = vec2(dot(m.{slot}_row0.xy, d{axis}), dot(m.{slot}_row1.xy, d{axis}));")
+        lines += [f"    return textureGrad({at}, dx, dy);", "#else", f"    return texture({at});", "#endif", "}"]
+        return "\n".join(lines)
+    return "\n".join([*lines, f"    return texture({at});", "}"])

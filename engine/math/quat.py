@@ -20,6 +20,11 @@ def normalize(q: ArrayLike) -> F8:
     Divides by the largest component first, so lengths of 1e-300 to 1e300 neither underflow nor overflow.
     """
     q = np.asarray(q, np.float64)
+    with np.errstate(over="ignore", invalid="ignore"):
+        square = np.einsum("...i,...i->...", q, q)
+    if ((square > 1e-200) & (square < 1e200)).all():
+        ordinary: F8 = q / np.sqrt(square)[..., None]
+        return ordinary
     largest = np.max(np.abs(q), axis=-1, keepdims=True)
     good = (largest > 0.0) & np.isfinite(largest)
     scaled = np.where(good, q, IDENTITY) / np.where(good, largest, 1.0)

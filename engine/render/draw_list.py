@@ -13,7 +13,7 @@ of every instance in numpy. Blended rows are sorted back to front and become run
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -244,21 +244,33 @@ class DrawList:
         queue = np.array([QUEUE_ORDER[s.queue] for s in glass.states])[of_command]
         order = np.lexsort((-depth, queue))
         rows, of_command = rows[order], of_command[order]
-        commands = glass.commands[of_command].copy()
+        # A double-sided body is drawn twice: its far faces, then its near ones, so that it shows through itself.
+        states = list(dict.fromkeys(side for s in glass.states for side in _sides(s)))
+        index = {state: i for i, state in enumerate(states)}
+        sides = np.array([[index[side] for side in (_sides(s) * 2)[:2]] for s in glass.states])
+        twice = np.array([len(_sides(s)) for s in glass.states])[of_command]
+        source = np.repeat(np.arange(len(rows)), twice)
+        second = np.concatenate([[False], source[1:] == source[:-1]])
+        state_of_command = sides[of_command[source], second.astype(int)]
+        commands = glass.commands[of_command[source]].copy()
         commands["instance_count"] = 1
-        commands["base_instance"] = first_id + np.arange(len(rows))
-        state_ids = {state: i for i, state in reversed(list(enumerate(glass.states)))}
-        state_of_command = np.array([state_ids[s] for s in glass.states])[of_command]
-        starts = np.concatenate([[0], np.flatnonzero(np.diff(state_of_command)) + 1, [len(rows)]])
+        commands["base_instance"] = first_id + source
+        starts = np.concatenate([[0], np.flatnonzero(np.diff(state_of_command)) + 1, [len(source)]])
         batches = [
-            Batch(glass.states[state_of_command[a]], first_command + a, b - a)
-            for a, b in itertools.pairwise(starts.tolist())
+            Batch(states[state_of_command[a]], first_command + a, b - a) for a, b in itertools.pairwise(starts.tolist())
         ]
         return commands, rows, batches
 
     def release(self) -> None:
         for buffer in (self.objects, self.ids, self.commands):
             buffer.release()
+
+
+def _sides(state: DrawState) -> tuple[DrawState, ...]:
+    """The states in which a blended surface is drawn, in order."""
+    if state.cull != "none":
+        return (state,)
+    return (replace(state, cull="front"), replace(state, cull="back"))
 
 
 def _sort_key(state: DrawState) -> tuple[object, ...]:

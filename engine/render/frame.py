@@ -110,3 +110,4 @@ class Frame:
     hdr: Texture | None
     stats: FrameStats
     graph: CompiledGraph
+    facts: SceneFacts

@@ -75,7 +75,8 @@ class Renderer:
         graph.execute(lambda item: _context(device, graph, item, frame), self._on_pass)
         stats = self._stats(graph.transient_bytes)
         device.end_frame()
-        return Frame(graph.texture("color"), graph.texture("hdr_resolved") if hdr else None, stats, graph)
+        hdr_texture = graph.texture("hdr_resolved") if hdr else None
+        return Frame(graph.texture("color"), hdr_texture, stats, graph, frame.facts)
 
     def release(self) -> None:
         self.graph.release()

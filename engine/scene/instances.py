@@ -9,12 +9,18 @@ from engine.core.errors import InputError
 from engine.math.bounds import largest_scale
 from engine.scene.nodes import NodeTable
 from engine.scene.propagate import apply
-from engine.scene.table import Rows, Table
+from engine.scene.table import Rows, Table, blocks
 
 F8 = NDArray[np.float64]
 F4 = NDArray[np.float32]
 I4 = NDArray[np.int32]
 I8 = NDArray[np.int64]
+
+#: float32 rounding of a plane's product with a sphere, relative to its terms: five products and sums, with room.
+CULL_SLACK = np.float32(2.0**-20)
+
+#: Metres from the world's origin beyond which an object has no say in where the scene's middle is.
+_FARTHEST = 1e15
 
 _SCHEMA = {
     "node": (np.int32, (), -1),
@@ -42,16 +48,14 @@ class InstanceTable(Table):
         self._nodes = nodes
         self._stale_spheres = self._stale_drawn = False
         self._seen = (0, 0)  # the nodes' transform_rev and visible_rev at the last update
-        self._run: slice | None = None  # the node rows, where they are one rising run
+        self._run: int | None = None  # node row - instance row, where that is the same for all
         #: rises with every `update()` that changed a world sphere
         self.bounds_rev = 0
         #: rises with every `update()` that looked at visibility again
         self.drawn_rev = 0
-        #: spheres for culling, f4[5, capacity]: x, y, z from `cull_origin`, radius, 1
         self._cull = np.ones((5, 0), np.float32)
+        #: f8[3]: what `cull_spheres` is relative to, in the scene's middle
         self.cull_origin: F8 = np.zeros(3)
-        #: the largest coordinate and radius in `cull_spheres`: what float32's rounding is relative to
-        self.cull_extent = 0.0
 
     @property
     def node(self) -> I4:
@@ -105,7 +109,9 @@ class InstanceTable(Table):
 
     @property
     def cull_spheres(self) -> F4:
-        """f4[5,n]: x, y, z relative to `cull_origin`, radius, 1."""
+        """f4[5,n], one plane product away from a cull: x, y, z relative to `cull_origin`, radius, 1.
+
+        The radius holds what float32 may be off by: 2^-20 of the coordinates' sum."""
         return self._cull[:, : len(self)]
 
     def add_many(
@@ -198,7 +204,7 @@ class InstanceTable(Table):
             self._cull = np.ones((5, capacity), np.float32)
         self._run = None
         if count and self.alive_count == count and node[-1] - node[0] == count - 1 and (np.diff(node) == 1).all():
-            self._run = slice(int(node[0]), int(node[-1]) + 1)
+            self._run = int(node[0])
         # a removed row's node is -1: it reads some node's transform, and nobody reads it
         everything = slice(0, count)
         if count and len(self._nodes):
@@ -225,44 +231,50 @@ class InstanceTable(Table):
 
     def _turn(self, rows: slice | I8) -> None:
         """Recompute what depends on the linear part: the centre's offset from the node, and the radius."""
-        data = self._data
-        whole = isinstance(rows, slice)
-        linear = self._nodes.world[self._run if whole and self._run else data["node"][rows], :, :3]
-        with np.errstate(over="ignore", invalid="ignore"):
-            data["offset"][rows] = apply(linear, data["bounds_center"][rows])
-            radius = largest_scale(linear) * data["bounds_radius"][rows]
-            # rounded up, so that float32 never makes a sphere smaller
-            data["world_radius"][rows] = radius * (1.0 + 2.0**-23)
-        self._cull[3, rows] = data["world_radius"][rows]
+        data, world = self._data, self._nodes.world
+        for some in blocks(rows):
+            linear = world[self._nodes_of(some), :, :3]
+            with np.errstate(over="ignore", invalid="ignore"):
+                data["offset"][some] = apply(linear, data["bounds_center"][some])
+                radius = largest_scale(linear) * data["bounds_radius"][some]
+                # rounded up, so that float32 never makes a sphere smaller
+                data["world_radius"][some] = radius * (1.0 + 2.0**-23)
 
     def _move(self, rows: slice | I8, recentre: bool = False) -> None:
-        data, nodes = self._data, self._nodes
-        whole = isinstance(rows, slice)
-        position = nodes.world[self._run if whole and self._run else data["node"][rows], :, 3]
+        """Place the spheres at their nodes, and their float32 copies for culling."""
+        data, cull, world = self._data, self._cull, self._nodes.world
+        center = data["world_center"]
         with np.errstate(over="ignore", invalid="ignore"):
-            if whole:
-                center = np.add(position, data["offset"][rows], out=data["world_center"][rows])
-            else:
-                center = position + data["offset"][rows]
-                data["world_center"][rows] = center
+            for some in blocks(rows):
+                center[some] = world[self._nodes_of(some), :, 3] + data["offset"][some]
             if recentre:
-                self.cull_origin = _middle(center[self.alive])
-            for axis in range(3):
-                self._cull[axis, rows] = center[:, axis] - self.cull_origin[axis]
-            self.cull_extent = _extent(self.cull_spheres[:4])
+                self.cull_origin = _middle(self.world_center[self.alive])
+            for some in blocks(rows):
+                slack = np.zeros(_length(some), np.float32)
+                for axis in range(3):
+                    relative = (center[some, axis] - self.cull_origin[axis]).astype(np.float32)
+                    cull[axis, some] = relative
+                    slack += np.abs(relative, out=relative)
+                slack *= CULL_SLACK
+                slack += data["world_radius"][some]
+                cull[3, some] = slack
         self.bounds_rev += 1
+
+    def _nodes_of(self, rows: slice | I8) -> slice | I4:
+        if self._run is not None and isinstance(rows, slice):
+            return slice(rows.start + self._run, rows.stop + self._run)
+        nodes: I4 = self._data["node"][rows]
+        return nodes
+
+
+def _length(rows: slice | I8) -> int:
+    return rows.stop - rows.start if isinstance(rows, slice) else len(rows)
 
 
 def _middle(centers: F8) -> F8:
-    finite = centers[np.isfinite(centers).all(axis=1)]
-    if len(finite) == 0:
+    """Return a whole-metre point amid the centres: the median, which one stray object cannot move."""
+    near = centers[(np.abs(centers) < _FARTHEST).all(axis=1)]
+    if len(near) == 0:
         return np.zeros(3)
-    middle: F8 = np.rint((finite.min(axis=0) + finite.max(axis=0)) / 2.0)
+    middle: F8 = np.rint(np.median(near, axis=0))
     return middle
-
-
-def _extent(values: F4) -> float:
-    if values.size == 0:
-        return 0.0
-    extent = float(max(values.max(), -values.min()))
-    return extent if np.isfinite(extent) else float(np.abs(values[np.isfinite(values)]).max(initial=0.0))

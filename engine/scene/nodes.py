@@ -12,7 +12,7 @@ from engine.math import quat, transform
 from engine.scene import hierarchy as forest
 from engine.scene.hierarchy import Hierarchy
 from engine.scene.propagate import Columns, propagate
-from engine.scene.table import Rows, Table
+from engine.scene.table import Rows, Table, blocks
 
 F8 = NDArray[np.float64]
 I8 = NDArray[np.int64]
@@ -339,13 +339,9 @@ class NodeTable(Table):
         if count == 0:
             return
         matrices = data["has_matrix"][: len(turned)]
-        if count == len(turned) and not matrices.any():
-            linear = data["linear"][:count]
-            quat.to_matrix3(data["rotation"][:count], out=linear)
-            linear *= data["scale"][:count, None, :]
-            return
-        rows = np.flatnonzero(turned & ~matrices)
-        data["linear"][rows] = quat.to_matrix3(data["rotation"][rows]) * data["scale"][rows, None, :]
+        whole = count == len(turned) and not matrices.any()
+        for rows in blocks(slice(0, count) if whole else np.flatnonzero(turned & ~matrices)):
+            data["linear"][rows] = quat.to_matrix3(data["rotation"][rows]) * data["scale"][rows, None, :]
 
     def _update_visible(self) -> None:
         self._dirty_visible = False

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.scene.hierarchy import Hierarchy
+from engine.scene.table import blocks
 
 F8 = NDArray[np.float64]
 Bool = NDArray[np.bool_]
@@ -59,29 +60,30 @@ def propagate(hierarchy: Hierarchy, columns: Columns, moved: Bool, turned: Bool)
 
 def _place_roots(c: Columns, rows: slice | I8, turning: Bool) -> None:
     c.world[rows, :, 3] = c.translation[rows]
-    if turning.all():
-        c.world[rows, :, :3] = c.linear[rows]
-    elif turning.any():
-        some = _pick(rows, turning)
+    if turning.any():
+        some = rows if turning.all() else _pick(rows, turning)
         c.world[some, :, :3] = c.linear[some]
 
 
 def _place_children(c: Columns, rows: slice | I8, turning: Bool, reaching: Bool) -> None:
-    parents = c.parent[rows]
     if turning.all():
-        above = c.world.take(parents, axis=0)
-        c.world[rows, :, :3] = above[:, :, :3] @ c.linear[rows]
-        reach = apply(above[:, :, :3], c.translation[rows])
-        c.reach[rows] = reach
-        c.world[rows, :, 3] = above[:, :, 3] + reach
+        for some in blocks(rows):
+            above = c.world.take(c.parent[some], axis=0)
+            world = np.empty_like(above)
+            np.matmul(above[:, :, :3], c.linear[some], out=world[:, :, :3])
+            reach = apply(above[:, :, :3], c.translation[some])
+            np.add(above[:, :, 3], reach, out=world[:, :, 3])
+            c.world[some] = world
+            c.reach[some] = reach
         return
     if turning.any():
-        some, their = _pick(rows, turning), parents[turning]
-        c.world[some, :, :3] = c.world[their, :, :3] @ c.linear[some]
+        for some in blocks(_pick(rows, turning)):
+            c.world[some, :, :3] = c.world.take(c.parent[some], axis=0)[:, :, :3] @ c.linear[some]
     if reaching.any():
-        some, their = _pick(rows, reaching), parents[reaching]
-        c.reach[some] = apply(c.world[their, :, :3], c.translation[some])
-    c.world[rows, :, 3] = c.world[parents, :, 3] + c.reach[rows]
+        for some in blocks(_pick(rows, reaching)):
+            c.reach[some] = apply(c.world.take(c.parent[some], axis=0)[:, :, :3], c.translation[some])
+    for some in blocks(rows):
+        c.world[some, :, 3] = c.world.take(c.parent[some], axis=0)[:, :, 3] + c.reach[some]
 
 
 def _mark_children(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,8 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 from engine.core.errors import InputError
 
 Rows = ArrayLike | slice
+#: Rows worked on at a time by long chains of numpy operations.
+BLOCK = 4096
 #: name -> (dtype, shape of one row, value of a fresh row)
 Schema = Mapping[str, tuple[DTypeLike, tuple[int, ...], Any]]
 
@@ -135,3 +137,16 @@ def _run(rows: NDArray[np.int64]) -> slice | NDArray[np.int64]:
     if rows.size and rows[-1] - rows[0] == rows.size - 1 and (np.diff(rows) == 1).all():
         return slice(int(rows[0]), int(rows[-1]) + 1)
     return rows
+
+
+def blocks(rows: slice | NDArray[np.int64]) -> Iterator[slice | NDArray[np.int64]]:
+    """Yield `rows` in parts of at most BLOCK rows.
+
+    Temporaries of a part stay in cache and below the size from which malloc maps fresh, zeroed pages for each of them.
+    """
+    if isinstance(rows, slice):
+        for start in range(rows.start, rows.stop, BLOCK):
+            yield slice(start, min(start + BLOCK, rows.stop))
+    else:
+        for start in range(0, len(rows), BLOCK):
+            yield rows[start : start + BLOCK]

@@ -160,8 +160,8 @@ def _explain(runtime: Runtime, frame: Frame) -> None:
 
     for line in explain(frame.graph, runtime.residency.effects.variants()):
         print(line)
-    for macro, value in frame.graph.facts.variant_defines().items():
-        if not value:
+    for macro, value in frame.facts.variant_defines().items():
+        if not value and macro != "DEBUG_VIEW":
             print(f"branch {macro}: left out of every surface shader, the scene has none of it")
 
 

@@ -8,6 +8,7 @@ KHR_materials_emissive_strength, KHR_materials_ior, KHR_materials_specular, KHR_
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 from engine.assets.material import MaterialAsset, TextureRef
@@ -53,7 +54,16 @@ def read_material(doc: Document, index: int) -> ImportedMaterial:
     if doc.flag(material, "doubleSided", where):
         asset.features.append("double_sided")
     _extensions(doc, material, where, result)
+    _keep_coverage(result)
     return result
+
+
+def _keep_coverage(result: ImportedMaterial) -> None:
+    """With an alpha test the base colour's mips keep its coverage: texture alpha * factor >= cutoff."""
+    use, params = result.images.get("base_color_map"), result.asset.params
+    if use is not None and result.asset.queue == "alpha_test" and 0 < params["alpha_cutoff"] < params["base_color"][3]:
+        cutoff = float(params["alpha_cutoff"] / params["base_color"][3])
+        result.images["base_color_map"] = replace(use, alpha_cutoff=cutoff)
 
 
 def normal_map_uv(material: ImportedMaterial) -> int | None:

@@ -144,4 +144,5 @@ def from_equirect(image: Floats, size: int) -> Floats:
     i0, i1 = i % width, (i + 1) % width
     top = image[j0, i0] * (1 - fu) + image[j0, i1] * fu
     bottom = image[j1, i0] * (1 - fu) + image[j1, i1] * fu
-    return (top * (1 - fv) + bottom * fv).astype(np.float32).reshape(6, size, size, 3)
+    cube: Floats = (top * (1 - fv) + bottom * fv).astype(np.float32).reshape(6, size, size, 3)
+    return cube

@@ -37,6 +37,7 @@ Floats = NDArray[np.float32]
 VERSION = 1
 SIZE = 128
 SMALLEST = 4
+MAX_SIZE = 2048
 
 #: samples per mip: wide lobes need more, and their mips have fewer texels
 _SAMPLES = (0, 48, 96, 192, 384, 768, 1024)
@@ -45,15 +46,15 @@ _MAX_HALF = 65000.0
 
 
 def bake_environment(
-    radiance: Floats | EnvironmentAsset, size: int = SIZE, *, base: Path | None = None
+    radiance: Floats | EnvironmentAsset, size: int = SIZE, *, base: Path | None = None, smallest: int = SMALLEST
 ) -> tuple[TextureAsset, Floats]:
     """Bake f4[h,w,3] (equirectangular), f4[6,n,n,3] (cube faces) or an EnvironmentAsset.
 
-    Returns an rgba16f cube of `size` (a power of two) with mips down to 4 texels, and SH9 of irradiance / pi,
-    f4[9,3]. `base` is the folder that an image's path counts from. Raises InputError, FormatError.
+    Returns an rgba16f cube of `size` with mips down to `smallest` texels (both powers of two), and SH9 of
+    irradiance / pi, f4[9,3]. `base` is the folder that an image's path counts from. Raises InputError, FormatError.
     """
-    if size < SMALLEST or size & (size - 1):
-        raise InputError(f"environment size {size} is no power of two from {SMALLEST} up")
+    if not 1 <= smallest <= size <= MAX_SIZE or size & (size - 1) or smallest & (smallest - 1):
+        raise InputError(f"environment sizes {size} and {smallest} are no powers of two up to {MAX_SIZE}")
     if isinstance(radiance, EnvironmentAsset):
         radiance = source_faces(radiance, 2 * size, base or Path())
     if radiance.ndim == 3:
@@ -63,7 +64,7 @@ def bake_environment(
     faces = _fit(np.maximum(np.nan_to_num(radiance, nan=0.0, posinf=_MAX_HALF), 0.0).astype(np.float32), 2 * size)
     sh9 = project_sh9(faces)
     source = CubeChain.build(np.minimum(faces, np.float32(_MAX_HALF)))
-    mips = size.bit_length() - SMALLEST.bit_length() + 1
+    mips = size.bit_length() - smallest.bit_length() + 1
     levels: list[list[bytes]] = [[] for _ in range(6)]
     for mip in range(mips):
         n = size >> mip
@@ -142,7 +143,7 @@ def environment_file(environment: EnvironmentAsset, base: Path, *, size: int = 0
     applied when rendering and do not matter here. Raises InputError, FormatError, OutputError.
     """
     size = size or (2 * SIZE if environment.kind == "image" else SIZE)
-    if environment.kind == "studio" and size == SIZE:
+    if environment.kind == "studio" and size <= 2 * SIZE:
         shipped = studio_path()
         if shipped.is_file():
             return shipped
@@ -176,5 +177,5 @@ def _is_baked(path: Path) -> bool:
 
 
 def studio_path() -> Path:
-    """The default studio, shipped pre-baked."""
+    """The default studio, shipped pre-baked at 256 texels (BC6H); see shipped.py."""
     return shaders_dir() / "data" / "studio.env.dds"

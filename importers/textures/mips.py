@@ -28,6 +28,10 @@ def resample(image: Floats, width: int, height: int, kind: str = "kaiser", *, wr
 
     Beyond the border the image repeats with `wrap`, else its edge texels do.
     """
+    if kind == "box" and image.shape[:2] == (2 * height, 2 * width):
+        rows = image[0::2] + image[1::2]  # the common case, several times faster than taps
+        halved: Floats = (rows[:, 0::2] + rows[:, 1::2]) * np.float32(0.25)
+        return halved
     out = image
     if out.shape[0] != height:
         out = _apply(out, _taps(out.shape[0], height, kind, wrap), 0)

@@ -50,14 +50,14 @@ def uniform(d: Doubles, color: tuple[float, float, float]) -> Doubles:
 #: (centre, half width, half height, feather, radiance): panels as seen from the subject, sizes as tangents
 _PANELS = (
     ((-0.72, 0.78, 0.62), 0.62, 0.46, 0.10, 8.0),  # key: a large soft box, high on the left in front
-    ((0.05, 1.00, -0.05), 0.80, 0.34, 0.14, 3.2),  # overhead bank
+    ((0.08, 1.00, -0.02), 0.52, 0.30, 0.14, 3.6),  # overhead bank
     ((-0.93, 0.22, -0.55), 0.11, 0.95, 0.05, 5.0),  # rim strip, left behind
     ((0.88, 0.25, -0.66), 0.11, 0.95, 0.05, 7.0),  # rim strip, right behind
     ((0.95, 0.16, 0.58), 0.70, 0.62, 0.25, 0.75),  # fill: a big dim reflector on the right
 )
 
 #: brings a white diffuser that faces up to 0.9
-STUDIO_SCALE = 1.0
+STUDIO_SCALE = 0.4332
 
 
 def studio(d: Doubles) -> Doubles:
@@ -66,7 +66,8 @@ def studio(d: Doubles) -> Doubles:
     A white diffuser reads 0.9 facing up; all light is grey, so that materials show their own colours.
     """
     y = d[:, 1]
-    room = np.interp(y, [-1.0, -0.35, -0.02, 0.12, 0.55, 1.0], [0.16, 0.20, 0.34, 0.42, 0.26, 0.45])
+    floor = 0.16 + 0.26 * _smooth(-1.0, 0.1, y)
+    room = np.where(y < 0.1, floor, 0.26 + 0.16 * _smooth(0.7, 0.1, y) + 0.19 * _smooth(0.5, 1.0, y))
     light = room
     for centre, width, height, feather, radiance in _PANELS:
         light = np.maximum(light, _panel(d, np.array(centre), width, height, feather, radiance))

@@ -94,6 +94,7 @@ def test_every_channel_against_float64(seed: int) -> None:
 def test_apply_writes_only_its_nodes() -> None:
     nodes = NodeTable()
     nodes.add_many(["a", "b", "c"], translations=np.full((3, 3), 9.0))
+    nodes.update()
     clip = ClipAsset("c", [channel(0, "translation", "linear", [0, 2], [[0, 0, 0], [4, 0, 0]])])
     player = ClipPlayer(clip, [1])
     player.apply(nodes, 0.5)

@@ -18,7 +18,7 @@ import numpy as np
 
 from tests.bench.harness import Context, Row, table
 
-SKIP = {"__main__", "harness"}
+SKIP = {"__main__", "harness", "stages"}
 
 
 def names() -> list[str]:

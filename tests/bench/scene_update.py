@@ -95,10 +95,13 @@ def tree(ctx: Context, count: int) -> list[Row]:
         scene.nodes.set_translation(int(roots[0]), [1.0, 2.0, 3.0])
         scene.update()
 
+    def rehang() -> None:
+        scene.nodes.reparent(int(roots[0]), -1)
+
     case = f"{count} nodes, 6 levels"
     return [
         ctx.measure(case, "roots move: set + update", move_roots),
         ctx.measure(case, "all turn: set + update", turn_all),
         ctx.measure(case, "one root moves: set + update", move_one),
-        ctx.measure(case, "structure change: rebuild + update", scene.update, before=lambda: scene.nodes.reparent(int(roots[0]), -1)),
-    ]  # fmt: skip
+        ctx.measure(case, "structure change: rebuild + update", scene.update, before=rehang),
+    ]

@@ -165,6 +165,15 @@ def test_buffers(gl_device: Device) -> None:
         made.release()  # twice does no harm
 
 
+def test_an_allocation_that_fails_is_a_device_error(gl_device: Device) -> None:
+    before = gl_device.live_objects()
+    with pytest.raises(DeviceError, match=r"allocating \d+ MiB for buffer 'huge': OUT_OF_MEMORY.*smaller"):
+        gl_device.buffer(1 << 46, label="huge")
+    gc.collect()
+    gl_device.end_frame()
+    assert gl_device.live_objects() == before
+
+
 def test_release_forgets_framebuffers_and_vertex_arrays(gl_device: Device) -> None:
     before = gl_device.live_objects()
     red_picture(gl_device)

@@ -374,3 +374,23 @@ def test_attachments_that_do_not_go_together(bench: Any) -> None:
     flat = bench.texture("r8", 4, 4)
     with pytest.raises(DeviceError, match="cannot draw into these attachments together"):
         bench.device.render_pass("p", [ColorAttachment(array, layer=-1), ColorAttachment(flat)])
+
+
+def test_multisampled_targets_are_resolved_by_a_shader(bench: Any) -> None:
+    many = bench.texture("rgba8", 8, 8, samples=4)
+    depth = bench.texture("d32f", 8, 8, samples=4)
+    slanted = "void main() { gl_Position = vec4(vec2((gl_VertexID << 1) & 2, gl_VertexID & 2) * 0.9 - 1.0, 0.5, 1); }"
+    pipeline = bench.pipeline(slanted, WHITE, depth=DepthState())
+    bench.draw(pipeline, [many], depth, clear=(0, 0, 0, 0), depth_clear=0.0)
+    mean = """layout(binding = 0) uniform sampler2DMS t;
+        void main() { ivec2 p = ivec2(gl_FragCoord.xy);
+            color = texelFetch(t, p, 0) + texelFetch(t, p, 1) + texelFetch(t, p, 2) + texelFetch(t, p, 3); }"""
+    seen = bench.shade(mean, 8, 8, bindings=Bindings(textures={0: (many, bench.nearest())}))
+    values = set(seen[..., 0].ravel().tolist())
+    assert {0.0, 4.0} < values  # and something between, on the edge
+    with pytest.raises(DeviceError, match="at most"):
+        bench.texture("rgba8", 8, 8, samples=1024)
+    with pytest.raises(UsageError, match="cannot be read back"):
+        many.read()
+    with pytest.raises(UsageError, match="only be drawn into"):
+        many.write(bytes(256))

@@ -114,3 +114,11 @@ def test_mirrored_node_keeps_its_outside(stage, surface) -> None:
     stage.runtime.update()
     assert np.abs(stage.hdr(camera=camera) - plain).max() < 1e-3
     assert plain[32, 32, 0] == pytest.approx(0.5, rel=5e-3)
+
+
+def test_a_double_sided_glass_body_shows_its_far_side_through_the_near_one(stage, surface) -> None:
+    """Half-covering white over black: the far face gives 0.5, the near one 0.5 + 0.5 * 0.5."""
+    stage.look(kind="none", sun_illuminance=0.0, background="color", background_color=(0, 0, 0))
+    glass = surface("transparent", ("unlit", "double_sided"), base_color=(1, 1, 1, 0.5))
+    stage.add(uv_sphere(), glass)
+    assert stage.hdr()[32, 32, 0] == pytest.approx(0.75, abs=1e-3)

@@ -30,8 +30,9 @@ class GlBuffer(GlObject):
         if isinstance(data_or_size, (int, np.integer)):
             self.size = int(data_or_size)
             validate.buffer_range(label, self.size, 0, self.size)
-            zeros = np.zeros(max(self.size, MINIMUM_BYTES), np.uint8)  # fresh memory may hold another program's bytes
-            device.gl.NamedBufferData(self.id, zeros.nbytes, zeros.ctypes.data, e.DYNAMIC_DRAW)
+            device.gl.NamedBufferData(self.id, max(self.size, MINIMUM_BYTES), None, e.DYNAMIC_DRAW)
+            # fresh memory may hold another program's bytes
+            device.gl.ClearNamedBufferData(self.id, e.R8UI, e.RED_INTEGER, e.UNSIGNED_BYTE, None)
         else:
             address, self.size, keep = address_of(data_or_size)
             allocated = max(self.size, MINIMUM_BYTES)
@@ -41,6 +42,7 @@ class GlBuffer(GlObject):
             del keep
             device.counters.bytes_uploaded += self.size
         device.counters.api_calls += 2
+        device.check_allocation(validate.named("buffer", label), self.size)
         device.label(self.KIND, self.id, label)
 
     def write(self, data: bytes | NDArray[Any], offset: int = 0) -> None:

@@ -48,6 +48,13 @@ class DebugOutput:
             self._device.gl.Disable(e.DEBUG_OUTPUT)
             self._callback = None
 
+    def discard(self) -> None:
+        """Forget what was noted so far."""
+        for _ in range(KEPT):
+            if self._device.gl.GetError() == e.NO_ERROR:
+                break
+        self._messages.clear()
+
     def check(self, where: str) -> None:
         """Raise DeviceError with all errors since the last check."""
         names = []
@@ -59,4 +66,10 @@ class DebugOutput:
         if names or self._messages:
             text = "; ".join([*names, *self._messages])
             self._messages.clear()
-            raise DeviceError(f"OpenGL error in {where}: {text}", hint="a defect of the backend or the driver")
+            raise DeviceError(f"OpenGL error in {where}: {text}", hint=_hint(names))
+
+
+def _hint(names: list[str]) -> str:
+    if "OUT_OF_MEMORY" in names:
+        return "use smaller textures or a smaller picture, or close other programs"
+    return "a defect of the backend or the driver"

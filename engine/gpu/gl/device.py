@@ -18,7 +18,7 @@ from engine.gpu.gl.context import open_context
 from engine.gpu.gl.debug import DebugOutput
 from engine.gpu.gl.framebuffer import Framebuffers
 from engine.gpu.gl.objects import Objects
-from engine.gpu.gl.pipeline import GlPipeline, pipeline_key, program_key, sources_of
+from engine.gpu.gl.pipeline import GlPipeline
 from engine.gpu.gl.render_pass import GlRenderPass
 from engine.gpu.gl.sampler import GlSampler
 from engine.gpu.gl.shader import GlProgram, version_prelude
@@ -26,6 +26,7 @@ from engine.gpu.gl.state import StateCache
 from engine.gpu.gl.texture import GlTexture
 from engine.gpu.gl.timestamps import Timestamps
 from engine.gpu.gl.vertex_array import VertexArrays
+from engine.gpu.pipeline_keys import pipeline_key, program_key, sources_of
 from engine.gpu.types import (
     ColorAttachment,
     ComputePipelineDesc,
@@ -36,6 +37,8 @@ from engine.gpu.types import (
     Texture,
     TextureDesc,
 )
+
+LARGE_BYTES = 1 << 24
 
 
 class GlDevice:
@@ -63,8 +66,7 @@ class GlDevice:
         self._pipelines: dict[object, GlPipeline] = {}
         self._pass: GlRenderPass | GlComputePass | None = None
         self._in_frame = False
-        while self.gl.GetError() != e.NO_ERROR:
-            pass  # what the window's toolkit left behind is not ours
+        self._errors.discard()
         if debug:
             self._errors.listen()
         self.begin_frame()
@@ -202,6 +204,8 @@ class GlDevice:
 
     def begin_frame(self) -> None:
         self.make_current()
+        if self.attached and self.debug:
+            self._errors.discard()  # what the window's toolkit did is not ours
         if self.attached or not self._in_frame:
             self.state.take_over()
         self._in_frame = True
@@ -239,6 +243,11 @@ class GlDevice:
         """Cheap: believes what this class did last. begin_frame and end_frame do not."""
         if GlDevice._current is not self:
             self.make_current()
+
+    def check_allocation(self, what: str, size: int) -> None:
+        """Raise DeviceError where a large allocation failed; small ones are not worth the question."""
+        if size >= LARGE_BYTES:
+            self._errors.check(f"allocating {size >> 20} MiB for {what}")
 
     # --- objects ---------------------------------------------------------------------------------------------------
 

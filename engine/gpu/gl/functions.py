@@ -23,7 +23,8 @@ SIGNATURES: dict[str, str] = {
     "BlendEquation": "vu", "BlendFuncSeparatei": "vuuuuu", "BlendEquationSeparatei": "vuuu", "PixelStorei": "vui",
     "ActiveTexture": "vu", "MemoryBarrier": "vu",
     # buffers
-    "CreateBuffers": "vip", "DeleteBuffers": "vip", "NamedBufferData": "vuzpu", "NamedBufferSubData": "vuzzp",
+    "CreateBuffers": "vip", "DeleteBuffers": "vip", "NamedBufferData": "vuzpu",
+    "ClearNamedBufferData": "vuuuup", "NamedBufferSubData": "vuzzp",
     "GetNamedBufferSubData": "vuzzp", "BindBuffer": "vuu", "BindBufferBase": "vuuu", "BindBufferRange": "vuuuzz",
     # textures and samplers
     "CreateTextures": "vuip", "DeleteTextures": "vip", "TextureStorage2D": "vuiuii", "TextureStorage3D": "vuiuiii",

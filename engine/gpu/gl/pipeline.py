@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 from engine.gpu import validate
 from engine.gpu.gl import enums as e
 from engine.gpu.gl.shader import GlProgram
-from engine.gpu.types import ComputePipelineDesc, RenderPipelineDesc, ShaderSource
+from engine.gpu.pipeline_keys import sources_of
+from engine.gpu.types import ComputePipelineDesc, RenderPipelineDesc
 
 if TYPE_CHECKING:
     from engine.gpu.gl.device import GlDevice
@@ -58,21 +59,3 @@ class GlPipeline:
         self.references -= 1
         if self.references == 0:
             self._device.drop_pipeline(self)
-
-
-def sources_of(desc: RenderPipelineDesc | ComputePipelineDesc) -> tuple[ShaderSource, ...]:
-    if isinstance(desc, ComputePipelineDesc):
-        return (desc.compute,)
-    return (desc.vertex,) if desc.fragment is None else (desc.vertex, desc.fragment)
-
-
-def program_key(desc: RenderPipelineDesc | ComputePipelineDesc) -> tuple[object, ...]:
-    """Equal for equal text; a string keeps its hash, so this is cheap for long sources too."""
-    return tuple((source.stage, source.text) for source in sources_of(desc))
-
-
-def pipeline_key(desc: RenderPipelineDesc | ComputePipelineDesc) -> tuple[object, ...]:
-    """Equal for descriptors that draw alike, whatever their labels and line maps."""
-    if isinstance(desc, ComputePipelineDesc):
-        return program_key(desc)
-    return (*program_key(desc), desc.attributes, desc.topology, desc.depth, desc.blend, desc.raster)

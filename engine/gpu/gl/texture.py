@@ -47,6 +47,7 @@ class GlTexture(GlObject):
             depth = desc.depth if desc.kind == "3d" else desc.layers
             gl.TextureStorage3D(self.id, desc.mips, self.internal, desc.width, desc.height, depth)
         device.counters.api_calls += 2
+        device.check_allocation(validate.named("texture", desc.label), formats.texture_bytes(desc))
         device.label(self.KIND, self.id, desc.label)
 
     @property

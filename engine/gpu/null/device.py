@@ -12,6 +12,7 @@ from engine.gpu import validate
 from engine.gpu.null.passes import NullComputePass, NullRenderPass
 from engine.gpu.null.record import CallStream
 from engine.gpu.null.resources import NullBuffer, NullPipeline, NullSampler, NullTexture
+from engine.gpu.pipeline_keys import pipeline_key
 from engine.gpu.types import (
     Caps,
     ColorAttachment,
@@ -27,7 +28,7 @@ from engine.gpu.types import (
 CAPS = Caps(
     backend="null", device="null", version="0", software=True, reversed_z=True, compute=True, bc=True,
     max_texture_size=16384, max_array_layers=2048, max_anisotropy=16.0, max_ssbo_bytes=1 << 27,
-    max_workgroup_invocations=1024, timestamps=False,
+    max_workgroup_invocations=1024, timestamps=False, max_samples=8,
 )  # fmt: skip
 
 
@@ -41,7 +42,7 @@ class NullDevice:
         self.calls = CallStream(record)
         self.live = {"buffer": 0, "texture": 0}
         self._samplers: dict[SamplerDesc, NullSampler] = {}
-        self._pipelines: dict[RenderPipelineDesc | ComputePipelineDesc, NullPipeline] = {}
+        self._pipelines: dict[object, NullPipeline] = {}
         self._open_pass: str | None = None
 
     def buffer(self, data_or_size: bytes | int | NDArray[Any], *, label: str = "") -> NullBuffer:
@@ -57,24 +58,25 @@ class NullDevice:
         return sampler
 
     def render_pipeline(self, desc: RenderPipelineDesc) -> NullPipeline:
-        if desc not in self._pipelines:
-            validate.render_pipeline_desc(desc)
         return self._pipeline(desc)
 
     def compute_pipeline(self, desc: ComputePipelineDesc) -> NullPipeline:
         return self._pipeline(desc)
 
     def _pipeline(self, desc: RenderPipelineDesc | ComputePipelineDesc) -> NullPipeline:
-        pipeline = self._pipelines.get(desc)
+        key = pipeline_key(desc)
+        pipeline = self._pipelines.get(key)
         if pipeline is None:
-            pipeline = self._pipelines[desc] = NullPipeline(self, desc)
+            if isinstance(desc, RenderPipelineDesc):
+                validate.render_pipeline_desc(desc)
+            pipeline = self._pipelines[key] = NullPipeline(self, key, desc)
             self.counters.programs_compiled += 1
         pipeline.references += 1
         return pipeline
 
     def drop_pipeline(self, pipeline: NullPipeline) -> None:
         """Its last user let it go."""
-        self._pipelines.pop(pipeline.desc, None)
+        self._pipelines.pop(pipeline.key, None)
 
     def render_pass(
         self, label: str, colors: Sequence[ColorAttachment], depth: DepthAttachment | None = None

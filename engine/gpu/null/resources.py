@@ -109,8 +109,9 @@ class NullSampler:
 class NullPipeline:
     """Nothing is compiled: shader errors only show on a real device."""
 
-    def __init__(self, device: NullDevice, desc: RenderPipelineDesc | ComputePipelineDesc) -> None:
+    def __init__(self, device: NullDevice, key: object, desc: RenderPipelineDesc | ComputePipelineDesc) -> None:
         self._device = device
+        self.key = key
         self.desc = desc
         self.label = desc.label
         self.references = 0
