@@ -216,8 +216,9 @@ class App:
     def _count_frames(self) -> None:
         """Leave after `frames` frames that show what was asked for."""
         waiting = self.ui.session.job is not None and time.monotonic() - self._start < SCREENSHOT_PATIENCE
-        self.ui.session.image.invalidate()  # so that timings show a frame's cost, not that of the first one
         self._settled = 0 if waiting else self._settled + 1
+        if self._settled == self.frames - 2:
+            self.ui.session.image.invalidate()  # so that timings show a frame's cost, not that of the first one
         if self._settled >= self.frames:
             self.params.app_shall_exit = True
 

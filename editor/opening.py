@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import threading
 from collections.abc import Sequence
 from pathlib import Path
@@ -55,14 +56,14 @@ def pick_from_folder(folder: Path, extensions: Sequence[str]) -> Path:
     Raises InputError when there is none."""
     best: tuple[tuple[int, int, int], Path] | None = None
     seen = 0
-    for base, folders, files in folder.walk() if hasattr(folder, "walk") else _walk(folder):
+    for base, folders, files in os.walk(folder):
         folders[:] = sorted(f for f in folders if f not in SKIPPED_FOLDERS and not f.startswith("."))
         for name in sorted(files):
             seen += 1
             lowered = name.lower()
             is_scene = lowered.endswith(".scene.json")
             if is_scene or lowered.endswith(tuple(extensions)):
-                file = base / name
+                file = Path(base) / name
                 rank = (0 if is_scene else 1, len(file.relative_to(folder).parts), -file.stat().st_size)
                 if best is None or rank < best[0]:
                     best = (rank, file)
@@ -72,12 +73,6 @@ def pick_from_folder(folder: Path, extensions: Sequence[str]) -> Path:
         wanted = ", ".join(("project.toml", "*.scene.json", *(f"*{e}" for e in extensions)))
         raise InputError("the folder holds nothing that can be opened", where=folder, hint=f"looked for {wanted}")
     return best[1]
-
-
-def _walk(folder: Path) -> list[tuple[Path, list[str], list[str]]]:
-    import os
-
-    return [(Path(base), folders, files) for base, folders, files in os.walk(folder)]
 
 
 class OpenJob:

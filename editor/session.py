@@ -115,7 +115,7 @@ class Session:
         nodes, draws = len(scene.nodes.name), len(scene.instances.node)
         self.messages.info(f"Opened {document.name}: {nodes} nodes, {draws} drawn parts", where=str(document.source))
         self.playback = Playback(duration=float(document.runtime.duration))
-        self.playback.playing = self.playback.available
+        self.playback.playing = self.playback.available and not self.software
         document.runtime.update(0.0)
         self.reset_camera()
         if self.select_on_open in scene.nodes.name:
@@ -209,11 +209,22 @@ class Session:
     def settings(self) -> ParamBlock:
         """The render settings of the viewport; view state, not part of the document."""
         if self._settings is None:
-            self._settings = self.host.new_settings()
+            self._settings = self._fresh_settings()
         return self._settings
 
     def reset_settings(self) -> None:
-        self._settings = self.host.new_settings()
+        self._settings = self._fresh_settings()
+
+    def _fresh_settings(self) -> ParamBlock:
+        settings = self.host.new_settings()
+        if self.software and any(p.name == "samples" for p in settings.PARAMS):
+            settings.samples = 1  # a software rasteriser pays for each one in full
+        return settings
+
+    @property
+    def software(self) -> bool:
+        """Whether pictures are made by the CPU, and so are slow."""
+        return self.device is not None and bool(self.device.caps.software)
 
     @property
     def aspect(self) -> float:

@@ -12,8 +12,8 @@ if TYPE_CHECKING:
 
 #: larger targets are refused by many drivers and never shown
 MAX_SIZE = 8192
-#: a frame slower than this is not fluid
-SLOW_MS = 45.0
+#: (milliseconds of a frame, the scale to render at while something moves if it takes longer)
+COARSER = ((250.0, 0.25), (45.0, 0.5))
 
 
 class ViewportImage:
@@ -26,7 +26,8 @@ class ViewportImage:
         self.width = 0
         self.height = 0
         self._key: Hashable = None
-        self._moving = self._coarse = False
+        self._moving = False
+        self._scale = 1.0
 
     def update(self, session: Session, width: int, height: int) -> Any:
         """The frame for `session` at `width` x `height` pixels; renders if it differs from the one at hand.
@@ -55,16 +56,16 @@ class ViewportImage:
         return self.frame
 
     def resolution(self, session: Session) -> float:
-        """1, or 0.5 while something moves and frames at full resolution take too long to follow it.
+        """1, or less while something moves and frames at full resolution take too long to follow it.
 
-        Decided when the movement begins and kept to its end, so that the picture does not flicker between the two."""
+        Decided when the movement begins and kept to its end, so that the picture does not flicker between sizes."""
         if not session.interacting or not session.preferences.adaptive_resolution:
-            self._coarse = False
-            self._moving = session.interacting
+            self._scale, self._moving = 1.0, session.interacting
         elif not self._moving:
             self._moving = True
-            self._coarse = self.frame is not None and self.frame.stats.total_ms > SLOW_MS
-        return 0.5 if self._coarse else 1.0
+            ms = self.frame.stats.total_ms if self.frame is not None else 0.0
+            self._scale = next((scale for limit, scale in COARSER if ms > limit), 1.0)
+        return self._scale
 
     def invalidate(self) -> None:
         """Render again at the next update, whatever the state."""

@@ -183,6 +183,8 @@ def sources_in(path: Path) -> list[Path]:
     if path.is_file():
         return [path]
     if not path.is_dir():
+        if path.exists():
+            raise InputError("is not a regular file", where=path, hint="pipes and devices are not read")
         from importers.gltf.uris import similar_name_hint
 
         raise InputError("there is no such file or folder", where=path, hint=similar_name_hint(path))

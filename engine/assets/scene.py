@@ -84,10 +84,10 @@ class EnvironmentAsset:
     rotation: float = 0.0
     background: str = "environment"
     background_color: tuple[float, float, float] = (0.05, 0.05, 0.06)
-    background_blur: float = 0.0
+    background_blur: float = 0.75
     sun_elevation: float = 0.7853981633974483
     sun_azimuth: float = 0.6
-    sun_illuminance: float = 2.0
+    sun_illuminance: float = 1.2
     turbidity: float = 3.0
 
 

@@ -17,14 +17,15 @@ _TINY_ANGLE = 1e-4
 def normalize(q: ArrayLike) -> F8:
     """Return `q` [..., 4] scaled to unit length; a zero, infinite or NaN quaternion becomes the identity.
 
-    Divides by the largest component first, so lengths of 1e-300 to 1e300 neither underflow nor overflow.
+    Idempotent. Lengths of 1e-300 to 1e300 neither underflow nor overflow.
     """
     q = np.asarray(q, np.float64)
     with np.errstate(over="ignore", invalid="ignore"):
         square = np.einsum("...i,...i->...", q, q)
     if ((square > 1e-200) & (square < 1e200)).all():
-        ordinary: F8 = q / np.sqrt(square)[..., None]
-        return ordinary
+        # unit within rounding stays as it is: normalising twice changes nothing, and so does load and save
+        return q / np.where(np.abs(square - 1.0) <= 1e-15, 1.0, np.sqrt(square))[..., None]
+    # divide by the largest component first
     largest = np.max(np.abs(q), axis=-1, keepdims=True)
     good = (largest > 0.0) & np.isfinite(largest)
     scaled = np.where(good, q, IDENTITY) / np.where(good, largest, 1.0)

@@ -131,13 +131,18 @@ class InstanceTable(Table):
         """
         node = np.atleast_1d(np.asarray(nodes, np.int64))
         self._nodes.select(np.unique(node))
-        center, radius = np.asarray(bounds_center, np.float64), np.asarray(bounds_radius, np.float32)
-        if not (np.isfinite(center).all() and np.isfinite(radius).all() and (radius >= 0).all()):
-            raise InputError("instance bounds must be finite, radii at least 0")
-        rows = self._allocate(len(node))
+        count = len(node)
+        center, radius = _checked_bounds(bounds_center, bounds_radius, count)
+        columns = {
+            "node": node, "mesh": meshes, "submesh": submeshes, "material": materials, "visible": visible,
+        }  # fmt: skip
+        try:
+            checked = {name: np.broadcast_to(np.asarray(values), (count,)) for name, values in columns.items()}
+        except ValueError as error:
+            raise InputError(f"{count} instances: a column has another length ({error})") from error
+        rows = self._allocate(count)
         where = self.select(rows)
-        columns = ("node", node), ("mesh", meshes), ("submesh", submeshes), ("material", materials)
-        for name, values in (*columns, ("bounds_center", center), ("bounds_radius", radius), ("visible", visible)):
+        for name, values in {**checked, "bounds_center": center, "bounds_radius": radius}.items():
             self._data[name][where] = values
         self._stale_spheres = self._stale_drawn = True
         return rows
@@ -167,10 +172,11 @@ class InstanceTable(Table):
         self.structure_rev += 1
 
     def set_bounds(self, rows: Rows, centers: ArrayLike, radii: ArrayLike) -> None:
-        """Set the spheres in mesh space, [k,3] and [k]."""
+        """Set the spheres in mesh space, [k,3] and [k]. Raises InputError as `add_many`."""
         where = self.select(rows)
-        self._data["bounds_center"][where] = centers
-        self._data["bounds_radius"][where] = radii
+        center, radius = _checked_bounds(centers, radii, _length(where))
+        self._data["bounds_center"][where] = center
+        self._data["bounds_radius"][where] = radius
         self._stale_spheres = True
 
     def update(self) -> None:
@@ -269,6 +275,17 @@ class InstanceTable(Table):
 
 def _length(rows: slice | I8) -> int:
     return rows.stop - rows.start if isinstance(rows, slice) else len(rows)
+
+
+def _checked_bounds(centers: ArrayLike, radii: ArrayLike, count: int) -> tuple[F8, F4]:
+    try:
+        center = np.broadcast_to(np.asarray(centers, np.float64), (count, 3))
+        radius = np.broadcast_to(np.asarray(radii, np.float32), (count,))
+    except ValueError as error:
+        raise InputError(f"{count} instances need {count} bounds: {error}") from error
+    if not (np.isfinite(center).all() and np.isfinite(radius).all() and (radius >= 0).all()):
+        raise InputError("instance bounds must be finite, radii at least 0")
+    return center, radius
 
 
 def _middle(centers: F8) -> F8:

@@ -25,11 +25,11 @@ MAX_INTENSITY, MAX_COLOR, MAX_RANGE = 1e9, 1e4, 1e9
 _SCHEMA = {
     "node": (np.int32, (), -1),
     "type": (np.int32, (), 0),
-    "color": (np.float32, (3,), 1.0),
-    "intensity": (np.float32, (), 1.0),
-    "range": (np.float32, (), 0.0),
-    "inner": (np.float32, (), 0.0),
-    "outer": (np.float32, (), math.pi / 4),
+    "color": (np.float64, (3,), 1.0),
+    "intensity": (np.float64, (), 1.0),
+    "range": (np.float64, (), 0.0),
+    "inner": (np.float64, (), 0.0),
+    "outer": (np.float64, (), math.pi / 4),
 }
 
 #: One light in the world. `radiant` = color * intensity (lux or candela); `direction` is the way the light shines;
@@ -50,7 +50,7 @@ WORLD_LIGHT = np.dtype(
 
 
 class LightTable(Table):
-    """Lights by row; each shines along its node's -Z."""
+    """Lights by row; each shines along its node's -Z. Float64, so that saving gives back what was loaded."""
 
     def __init__(self, nodes: NodeTable) -> None:
         super().__init__("light", _SCHEMA)
@@ -70,28 +70,28 @@ class LightTable(Table):
         return self._view("type")
 
     @property
-    def color(self) -> NDArray[np.float32]:
-        """f4[n,3]: scene-linear Rec.709."""
+    def color(self) -> NDArray[np.float64]:
+        """f8[n,3]: scene-linear Rec.709."""
         return self._view("color")
 
     @property
-    def intensity(self) -> NDArray[np.float32]:
-        """f4[n]: lux (directional) or candela (point, spot)."""
+    def intensity(self) -> NDArray[np.float64]:
+        """f8[n]: lux (directional) or candela (point, spot)."""
         return self._view("intensity")
 
     @property
-    def range(self) -> NDArray[np.float32]:
-        """f4[n]: metres, 0 = endless."""
+    def range(self) -> NDArray[np.float64]:
+        """f8[n]: metres, 0 = endless."""
         return self._view("range")
 
     @property
-    def inner(self) -> NDArray[np.float32]:
-        """f4[n]: half angle of a spot's full-bright cone, radians."""
+    def inner(self) -> NDArray[np.float64]:
+        """f8[n]: half angle of a spot's full-bright cone, radians."""
         return self._view("inner")
 
     @property
-    def outer(self) -> NDArray[np.float32]:
-        """f4[n]: half angle at which a spot's light ends, radians."""
+    def outer(self) -> NDArray[np.float64]:
+        """f8[n]: half angle at which a spot's light ends, radians."""
         return self._view("outer")
 
     def add(self, node: int, light: LightAsset | None = None, findings: Findings | None = None, path: str = "") -> int:

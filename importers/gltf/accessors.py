@@ -131,7 +131,7 @@ class Accessors:
         if start < 0 or length < 1 or stride < 0 or start + length > len(buffer):
             self.findings.error(
                 "gltf.view-range",
-                f"bytes {start:,} to {start + length:,} lie outside buffers[{number}], which has {len(buffer):,}", place,
+                f"bytes {start:,} to {start + length:,} lie outside the {len(buffer):,} of buffers[{number}]", place,
                 "copy or export the file again",
             )  # fmt: skip
             return None

@@ -58,6 +58,12 @@ def read_container(path: Path, settings: ImportSettings, findings: Findings) -> 
         text, binary = _split_glb(data, path, findings)
     else:
         text = data
+        start = bytes(data[:64]).removeprefix(b"\xef\xbb\xbf").lstrip()
+        if not start.startswith(b"{"):
+            what = f"starts with {start[:8]!r}" if start else "is empty"
+            raise FormatError(
+                f"is no glTF: it {what}, expected 'glTF' or '{{'", where=path, hint="copy or export it again"
+            )
     root = parse_json(bytes(text), path, settings.max_json_depth, findings)
     return Container(path, path.parent, root, binary, settings)
 

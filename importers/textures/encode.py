@@ -72,7 +72,8 @@ def encode(
     if role == "hdr":
         images = [_half(level) for level in chain(pixels.astype(np.float32), "box")]
     elif role == "normal":
-        vectors = _unit(pixels)[..., :3] * np.float32(2.0) - np.float32(1.0)
+        vectors = _unit(pixels[..., :3])
+        vectors = vectors * np.float32(2.0) - np.float32(1.0)
         images = [_quantise(v[..., :2] * np.float32(0.5) + np.float32(0.5)) for v in normal_chain(vectors)]
     elif compressed.endswith("-srgb"):
         images = [*_color_chain(pixels, kind, wrap, alpha_cutoff)]

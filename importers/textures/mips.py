@@ -63,9 +63,13 @@ def normal_chain(vectors: Floats, *, wrap: bool = False) -> list[Floats]:
 
 def normalised(vectors: Floats) -> Floats:
     """`vectors` f4[h,w,3] at length 1; +z where the length is 0."""
-    length = np.sqrt(np.einsum("...i,...i->...", vectors, vectors))[..., None]
-    flat = np.array([0.0, 0.0, 1.0], np.float32)
-    result: Floats = np.where(length > 1e-6, vectors / np.maximum(length, np.float32(1e-6)), flat)
+    x, y, z = vectors[..., 0], vectors[..., 1], vectors[..., 2]
+    length = np.sqrt(x * x + y * y + z * z)
+    zero = length <= 1e-6
+    length[zero] = 1.0
+    result = vectors / length[..., None]
+    if zero.any():
+        result[zero] = (0.0, 0.0, 1.0)
     return result
 
 

@@ -56,11 +56,10 @@ def test_what_does_not(pattern: str) -> None:
 
 
 def test_whole_words_come_before_scattered_letters() -> None:
-    scores = [match_score("undo", text) for text in ("Edit Undo", "Background", "up noted often")]
-    assert scores[0] is not None
-    assert scores[1] is None
-    assert scores[2] is None
-    better, worse = match_score("re", "Edit Redo"), match_score("re", "File Screenshot")
-    assert better is not None
-    assert worse is not None
-    assert better < worse
+    word, inside, scattered = (match_score("re", text) for text in ("Edit Redo", "File Screenshot", "Reset"))
+    assert word is not None
+    assert inside is not None
+    assert scattered is not None
+    assert word < inside
+    assert scattered < inside, "the start of a word"
+    assert (match_score("undo", "Edit Undo") or 0) < (match_score("undo", "up noted often") or 0)

@@ -202,10 +202,15 @@ def test_coarse_pictures_only_while_moving_and_slow(session: Session) -> None:
     assert image.resolution(session) == 1.0
     session.interacting = True
     assert image.resolution(session) == 0.5
-    image.frame.stats.total_ms = 10.0
+    image.frame.stats.total_ms = 1000.0
     assert image.resolution(session) == 0.5, "no flicker within one movement"
     session.interacting = False
     assert image.resolution(session) == 1.0
+    session.interacting = True
+    assert image.resolution(session) == 0.25
+    session.interacting = False
+    image.resolution(session)
+    image.frame.stats.total_ms = 10.0
     session.interacting = True
     assert image.resolution(session) == 1.0, "fast enough"
     session.preferences.adaptive_resolution = False

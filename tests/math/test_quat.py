@@ -52,6 +52,11 @@ def test_normalize_any_length(size: float) -> None:
     assert np.allclose(quat.normalize(np.array([1, 2, 3, 4]) * size), np.array([1, 2, 3, 4]) / math.sqrt(30))
 
 
+@given(quaternions)
+def test_normalize_is_idempotent(q: np.ndarray) -> None:
+    assert np.array_equal(quat.normalize(q), q)
+
+
 @pytest.mark.parametrize("bad", [[0, 0, 0, 0], [math.nan, 0, 0, 1], [math.inf, 0, 0, 1], [0, -math.inf, math.nan, 1]])
 def test_normalize_gives_identity_for_nonsense(bad: list[float]) -> None:
     assert np.array_equal(quat.normalize(bad), quat.IDENTITY)

@@ -129,6 +129,31 @@ def test_bad_bounds_and_nodes_are_refused() -> None:
     assert len(scene.instances) == 0
 
 
+def test_columns_of_another_length_are_refused() -> None:
+    scene = Scene()
+    rows = scene.nodes.add_many(["a", "b", "c"])
+    with pytest.raises(InputError, match="another length"):
+        scene.instances.add_many(rows, [1, 2], 0, 0, [0, 0, 0], 1.0)
+    with pytest.raises(InputError, match="3 bounds"):
+        scene.instances.add_many(rows, 0, 0, 0, np.zeros((2, 3)), 1.0)
+    assert len(scene.instances) == 0
+
+
+def test_bounds_and_materials_can_be_changed() -> None:
+    scene = Scene()
+    rows = scene.instances.add_many(scene.nodes.add_many(["a", "b"]), 0, 0, 5, [0, 0, 0], 1.0)
+    scene.update()
+    rev = scene.structure_rev
+    scene.instances.set_bounds(rows[1], [1, 2, 3], 4.0)
+    scene.instances.set_material(rows[1], 6)
+    scene.update()
+    assert scene.instances.material.tolist() == [5, 6]
+    assert scene.structure_rev > rev
+    check_spheres(scene)
+    with pytest.raises(InputError, match="finite"):
+        scene.instances.set_bounds(rows, [0, 0, 0], math.nan)
+
+
 @pytest.mark.parametrize("offset", [0.0, 1e6, -3e7])
 @pytest.mark.parametrize("seed", range(3))
 def test_culling_against_float64(seed: int, offset: float) -> None:

@@ -215,7 +215,7 @@ class FakeRuntime:
 
 
 class FakeDevice:
-    caps = Caps("null", "fake device", "0", True, True, True, True, 4096, 256, 1.0, 1 << 20, 64, False)
+    caps = Caps("null", "fake device", "0", False, True, True, True, 4096, 256, 1.0, 1 << 20, 64, False)
 
     def __init__(self) -> None:
         self.frames = 0
