@@ -132,6 +132,8 @@ def _edit_color(param: Param, value: tuple[float, ...]) -> tuple[bool, tuple[flo
     shown = [srgb_from_linear(c) for c in value[:3]] + list(value[3:])
     hdr = param.max > 1.0
     flags = imgui.ColorEditFlags_.float | imgui.ColorEditFlags_.hdr if hdr else imgui.ColorEditFlags_.uint8
+    if imgui.calc_item_width() < em(2.6 * len(value) + 2.0):  # too narrow for a number a channel
+        flags |= imgui.ColorEditFlags_.no_inputs if hdr else imgui.ColorEditFlags_.display_hex
     if len(value) == 4:
         changed, new = imgui.color_edit4("##value", shown, flags | imgui.ColorEditFlags_.alpha_preview_half)
     else:

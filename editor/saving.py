@@ -7,9 +7,7 @@ any time. A scene that lies where it is saved is updated in place, its edited ma
 from __future__ import annotations
 
 import copy
-import dataclasses
 import filecmp
-import os
 import shutil
 from collections.abc import Iterable, Mapping
 from pathlib import Path, PurePosixPath
@@ -19,7 +17,6 @@ import numpy as np
 
 from editor.document import Document
 from editor.opening import scene_stem
-from engine.assets.material import MaterialAsset
 from engine.assets.scene import NodeAsset, SceneAsset
 from engine.core.atomic import atomic_path
 from engine.core.errors import OutputError
@@ -52,7 +49,7 @@ def save_document(document: Document, target: Path) -> list[Path]:
 
     Raises OutputError when something cannot be written. The scene file is written last, so a failure never leaves a
     scene that names missing files."""
-    from engine.assets.material_toml import write_material
+    from engine.assets.material_toml import update_material
     from engine.assets.scene_json import write_scene
 
     target = target.resolve()
@@ -62,15 +59,15 @@ def save_document(document: Document, target: Path) -> list[Path]:
     written: list[Path] = []
     if source_dir != target_dir:
         for reference in sorted(set(_references(asset, source_dir))):
-            file, copied = source_dir / reference, target_dir / reference
-            if file.resolve() not in edited and _copy(file, copied):
-                written.append(copied)
-    for path, material in edited.items():
-        out = path if source_dir == target_dir else target_dir / os.path.relpath(path, source_dir)
-        write_material(out, material)
+            if _copy(source_dir / reference, target_dir / reference):
+                written.append(target_dir / reference)
+    for path, changes in edited.items():
+        inside = path.is_relative_to(source_dir)
+        out = target_dir / path.relative_to(source_dir) if inside else path
+        update_material(out, changes)
         written.append(out)
     write_scene(target, asset)
-    return [*written, target]
+    return [*dict.fromkeys(written), target]
 
 
 def edited_scene(runtime: Any, overrides: Mapping[tuple[str, str, int], Any]) -> SceneAsset:
@@ -104,14 +101,14 @@ def _apply_to_node(node: NodeAsset, column: str, value: Any) -> None:
         node.matrix = None
 
 
-def edited_materials(residency: Any, overrides: Mapping[tuple[str, str, int], Any]) -> dict[Path, MaterialAsset]:
-    """Material file -> the material as it is now, for every material with a file that the user changed."""
-    found: dict[Path, MaterialAsset] = {}
-    for table, _column, row in overrides:
+def edited_materials(residency: Any, overrides: Mapping[tuple[str, str, int], Any]) -> dict[Path, dict[str, Any]]:
+    """Material file -> {`params.NAME`: value} for all that the user changed in materials that have a file."""
+    found: dict[Path, dict[str, Any]] = {}
+    for (table, column, row), value in overrides.items():
         if table == "materials":
-            record = residency.material(row)
-            if record.path:
-                found[Path(record.path).resolve()] = dataclasses.replace(record.asset)
+            path = residency.material(row).path
+            if path:
+                found.setdefault(Path(path).resolve(), {})[f"params.{column}"] = value
     return found
 
 

@@ -108,8 +108,9 @@ def property_row(label: str, doc: str = "", *, changed: bool = False) -> None:
     imgui.table_next_row()
     imgui.table_next_column()
     imgui.align_text_to_frame_padding()
-    text(label, theme.TEXT if changed else theme.DIM)
-    tooltip(doc)
+    shown = fitted(label, imgui.get_content_region_avail().x)
+    text(shown, theme.TEXT if changed else theme.DIM)
+    tooltip(doc if shown == label else f"{label}\n{doc}")
     imgui.table_next_column()
     imgui.set_next_item_width(-1)
 

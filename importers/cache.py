@@ -54,7 +54,7 @@ def scene_for(
         ) from error  # fmt: skip
     try:
         model = importer.load(path, settings)
-        scene = stage(model, importer, path, staging, settings, {}, progress)
+        scene = stage(model, importer, path, staging, settings, {}, progress, key=key)
         record = {"scene": scene.name, "findings": [f.to_json() for f in model.findings]}
         (staging / _RECORD).write_text(json.dumps(record, sort_keys=True), encoding="utf-8")
         _publish(staging, folder, force)

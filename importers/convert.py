@@ -72,13 +72,15 @@ def convert(
 
 def stage(
     model: ImportedModel, importer: Importer, source: Path, folder: Path, settings: ImportSettings,
-    timings: dict[str, float], progress: Progress | None = None, name: str = "",
+    timings: dict[str, float], progress: Progress | None = None, name: str = "", key: str = "",
 ) -> Path:  # fmt: skip
-    """Write all files of `model` into `folder`; returns the scene's path there. Raises OutputError."""
+    """Write all files of `model` into `folder`; returns the scene's path there. `key`: the source's key, where known.
+
+    Raises OutputError."""
     base = safe_name(name or source.stem)
     provenance = {
         "source": source.name,
-        "source_hash": source_key(source, importer, settings),
+        "source_hash": key or source_key(source, importer, settings),
         "importer": f"{importer.name} {importer.version}",
     }
     clock = time.perf_counter()

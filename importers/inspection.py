@@ -67,7 +67,11 @@ def _model(model: ImportedModel) -> Description:
             "triangles": sum(_elements(mesh, "triangles") for mesh in model.meshes),
         },
         "meshes": [_mesh(mesh) for mesh in model.meshes],
-        "materials": [_material(material.asset) for material in model.materials],
+        "materials": [
+            _material(material.asset)
+            | {"textures": {slot: f"images[{use.image}]" for slot, use in sorted(material.images.items())}}
+            for material in model.materials
+        ],
         "images": [_image(model, index) for index in range(len(model.images))],
         "clips": [_clip(clip) for clip in model.clips],
         **_hung(model.nodes),

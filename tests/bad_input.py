@@ -238,7 +238,11 @@ CASES = (
     ),
     Case("accessor beyond its view", _set("accessors.0.count", 400), 1, "elements need bytes", "accessors[0]"),
     Case(
-        "view beyond its buffer", _set("bufferViews.0.byteLength", 10**6), 1, "lie outside buffers[0]", "bufferViews[0]"
+        "view beyond its buffer",
+        _set("bufferViews.0.byteLength", 10**6),
+        1,
+        "lie outside the 102 of buffers[0]",
+        "bufferViews[0]",
     ),
     Case("negative count", _set("accessors.0.count", -3), 1, "the count is -3", "accessors[0]"),
     Case("negative offset", _set("accessors.0.byteOffset", -8), 1, "elements need bytes -8", "accessors[0]"),

@@ -61,19 +61,24 @@ class TimingsPanel(Panel):
         for name in HEADLINE:
             if name in stats.counters:
                 imgui.same_line(0, em(0.9))
-                text(f"{short_count(stats.counters[name])} {name.replace('_', ' ')}", theme.DIM)
+                value = f"{short_count(stats.counters[name])} {name.replace('_', ' ')}"
+                if imgui.calc_text_size(value).x > imgui.get_content_region_avail().x:
+                    imgui.new_line()
+                    break
+                text(value, theme.DIM)
         _bar(rows)
         self._table(ui, rows)
         self._left_out(frame.graph)
 
     def _table(self, ui: Ui, rows: list[TimeRow]) -> None:
-        flags = imgui.TableFlags_.row_bg | imgui.TableFlags_.sizing_stretch_prop | imgui.TableFlags_.no_saved_settings
+        flags = imgui.TableFlags_.row_bg | imgui.TableFlags_.no_saved_settings
         if not imgui.begin_table("passes", 4, flags):
             return
-        imgui.table_setup_column("Pass", imgui.TableColumnFlags_.width_stretch, 0.5)
-        imgui.table_setup_column("ms", imgui.TableColumnFlags_.width_stretch, 0.2)
-        imgui.table_setup_column("%", imgui.TableColumnFlags_.width_stretch, 0.15)
-        imgui.table_setup_column("Clock", imgui.TableColumnFlags_.width_stretch, 0.15)
+        fixed = imgui.TableColumnFlags_.width_fixed
+        imgui.table_setup_column("Pass", imgui.TableColumnFlags_.width_stretch)
+        imgui.table_setup_column("ms", fixed, em(4.4))
+        imgui.table_setup_column("%", fixed, em(2.8))
+        imgui.table_setup_column("Clock", fixed, em(2.2))
         for row in rows:
             imgui.table_next_row()
             imgui.table_next_column()

@@ -64,8 +64,9 @@ def _direction(size: NDArray[np.float64], radius: float, azimuth: float, elevati
     """From the scene to the camera, unit. A flat thing is looked at along its thin axis, or it would be a line."""
     thin = int(np.argmin(size))
     if size[thin] < 1e-3 * radius and float(np.sort(size)[1]) > 1e-3 * radius:
-        along = np.eye(3)[thin] + np.array([0.0, 0.0, 1e-3])  # looking straight down, north is up
-        return along / np.linalg.norm(along)
+        along: NDArray[np.float64] = np.eye(3)[thin] + np.array([0.0, 0.0, 1e-3])  # looking straight down, north is up
+        along /= np.linalg.norm(along)
+        return along
     if size[2] < 0.25 * min(size[0], size[1]) and (azimuth, elevation) == (AZIMUTH, ELEVATION):
         azimuth = elevation = 0.0  # a card or relief that faces the front is made to be seen head-on
     a, e = math.radians(azimuth), math.radians(elevation)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import numpy as np
@@ -47,6 +48,7 @@ class Runtime:
         self.clips: list[ClipAsset] = []
         self.players: list[ClipPlayer] = []
         self.findings = Findings()
+        self._posed_at = math.nan
 
     # --- opening ---
 
@@ -71,7 +73,9 @@ class Runtime:
         for name in asset.clips:
             try:
                 clip = read_lanim(base / name)
-                self.players.append(ClipPlayer(clip, self.node_rows))
+                player = ClipPlayer(clip, self.node_rows)
+                self.findings.items.extend(player.findings)
+                self.players.append(player)
                 self.clips.append(clip)
             except InputError as error:
                 self.findings.error("clip.unreadable", str(error), hint="the scene is shown without it")
@@ -128,9 +132,14 @@ class Runtime:
         return max((clip.duration for clip in self.clips), default=0.0)
 
     def update(self, time_s: float = 0.0) -> None:
-        """Pose the scene at `time_s` (each clip loops) and bring the world transforms up to date."""
-        for player in self.players:
-            player.apply(self.scene.nodes, time_s)
+        """Pose the scene at `time_s` (each clip loops) and bring the world transforms up to date.
+
+        An unchanged time poses nothing, so what was moved by hand stays moved until time goes on.
+        """
+        if time_s != self._posed_at:
+            self._posed_at = time_s
+            for player in self.players:
+                player.apply(self.scene.nodes, time_s)
         self.scene.update()
 
     # --- looking ---

@@ -18,6 +18,24 @@ if TYPE_CHECKING:
 #: the storage buffer with the rows of all materials of the effect
 MATERIAL_BINDING = 2
 
+#: Helper invocations (those of a 2x2 quad outside the triangle) need not see what an SSBO holds: on llvmpipe they read
+#: zeros, and with a uv that depends on the material their derivatives, and by them the mip, would be garbage. So the
+#: gradient is the mean over the invocations inside; neighbours' values are had from the fine derivatives.
+_QUAD_MEAN = """
+#ifdef STAGE_FRAGMENT
+vec4 quad_mean(vec4 value)
+{
+    vec4 sum = gl_HelperInvocation ? vec4(0.0) : value;
+    float count = gl_HelperInvocation ? 0.0 : 1.0;
+    vec2 side = 1.0 - 2.0 * mod(floor(gl_FragCoord.xy), 2.0);
+    sum += sum + dFdxFine(sum) * side.x;
+    count += count + dFdxFine(count) * side.x;
+    sum += sum + dFdyFine(sum) * side.y;
+    count += count + dFdyFine(count) * side.y;
+    return sum / max(count, 1.0);
+}
+#endif"""
+
 #: parameter type -> GLSL type; a bool is 0 or 1, an enum the index of its choice
 GLSL_TYPES = {
     "float": "float", "int": "int", "uint": "uint", "bool": "uint", "enum": "uint",
@@ -43,6 +61,8 @@ def generate(effect: Effect, features: frozenset[str]) -> str:
         effect.row_layout.buffer_glsl("MaterialBlock", MATERIAL_BINDING, "MaterialParams", "materials").rstrip(),
     ]
     parts += [f"layout(binding = {slot.unit}) uniform sampler2DArray t_{slot.name};" for slot in effect.textures]
+    if features & {"uv1", "uv_transform"}:
+        parts.append(_QUAD_MEAN.strip())
     parts += [_sampler(slot.name, features) for slot in effect.textures]
     return "\n".join(parts) + "\n"
 
@@ -57,8 +77,6 @@ def _sampler(slot: str, features: frozenset[str]) -> str:
         ]
     at = f"t_{slot}, vec3(uv, float(m.{slot}_layer))"
     if features & {"uv1", "uv_transform"}:
-        # Helper invocations (beside a triangle's edge) need not see `m`, which was read from a buffer: derivatives of
-        # uv would be garbage there and choose a wrong mip. Those of the inputs are sound.
         lines.append("#ifdef STAGE_FRAGMENT")
         for axis in "xy":
             gradient = f"dFd{axis}(uv0)"
@@ -67,6 +85,13 @@ def _sampler(slot: str, features: frozenset[str]) -> str:
             lines.append(f"    vec2 d{axis} = {gradient};")
             if "uv_transform" in features:
                 lines.append(f"    d{axis} = vec2(dot(m.{slot}_row0.xy, d{axis}), dot(m.{slot}_row1.xy, d{axis}));")
-        lines += [f"    return textureGrad({at}, dx, dy);", "#else", f"    return texture({at});", "#endif", "}"]
+        lines.append("    vec4 gradient = quad_mean(vec4(dx, dy));")
+        lines += [
+            f"    return textureGrad({at}, gradient.xy, gradient.zw);",
+            "#else",
+            f"    return texture({at});",
+            "#endif",
+            "}",
+        ]
         return "\n".join(lines)
     return "\n".join([*lines, f"    return texture({at});", "}"])

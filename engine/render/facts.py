@@ -11,7 +11,8 @@ class SceneFacts:
 
     opaque: bool
     transparent: bool
-    lights: bool
+    suns: bool
+    local_lights: bool
     environment: bool
     background: bool
     tone_map: str
@@ -26,6 +27,7 @@ class SceneFacts:
 
         return {
             "ENVIRONMENT": int(self.environment or self.force_all),
-            "PUNCTUAL_LIGHTS": int(self.lights or self.force_all),
+            "SUNS": int(self.suns or self.force_all),
+            "LOCAL_LIGHTS": int(self.local_lights or self.force_all),
             "DEBUG_VIEW": DEBUG_VIEWS.index(self.debug_view),
         }

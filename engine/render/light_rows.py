@@ -34,38 +34,47 @@ def light_glsl(binding: int) -> str:
     )
 
 
+#: so many directional lights live in the view block, where every pixel reads them at no cost; the rest in the buffer
+MAX_SUNS = 4
+
+
 class LightRows:
-    """`buffer`: the visible lights of a scene plus the environment's sun; `count` of them."""
+    """The visible lights of a scene plus the environment's sun.
+
+    `suns`: f4[MAX_SUNS,2,4], direction and illuminance (lux) of `sun_count` directional ones; `buffer`: `count` others.
+    """
 
     def __init__(self, device: Device) -> None:
         self._device = device
         self.buffer: Buffer = device.buffer(LIGHT_LAYOUT.size, label="lights")
         self.count = 0
+        self.sun_count = 0
+        self.suns = np.zeros((MAX_SUNS, 2, 4), np.float32)
         self._last = b""
 
     def update(self, scene: Scene, origin: NDArray[np.float64], sun_scale: float, rotation: float) -> None:
-        """Rebuild from the table; uploads only what differs from the last time."""
+        """Rebuild from the table; uploads only what differs from the last time. `rotation`: the view's, radians."""
         world = scene.lights.world()
+        directional = np.flatnonzero(world["type"] == 0)
+        suns = [(world["direction"][i], world["radiant"][i]) for i in directional[:MAX_SUNS].tolist()]
+        overflow = directional[MAX_SUNS:]
         sun = scene.environment.sun_illuminance * sun_scale
-        has_sun = sun > 0.0
-        rows = np.zeros(len(world) + has_sun, LIGHT_LAYOUT.dtype)
-        if has_sun:
+        if sun > 0.0:
             turned = scene.environment.sun_azimuth + scene.environment.rotation + rotation
-            rows["direction"][0] = -sun_direction(replace(scene.environment, sun_azimuth=turned))
-            rows["color"][0] = sun
-        lit = rows[int(has_sun) :]
-        if len(world):
-            lit["position"] = world["position"] - origin
-            lit["range"] = world["range"]
-            lit["direction"] = world["direction"]
-            lit["type"] = world["type"]
-            lit["color"] = world["radiant"]
-            inner, outer = world["cos_inner"], world["cos_outer"]
-            lit["spot_scale"] = 1.0 / np.maximum(inner - outer, 1e-4)  # equal angles would divide by zero
-            lit["spot_offset"] = -outer * lit["spot_scale"]
-        self.count = len(rows)
+            suns.insert(0, (-sun_direction(replace(scene.environment, sun_azimuth=turned)), np.full(3, sun)))
+            overflow = directional[MAX_SUNS - 1 :]
+        self.sun_count = min(len(suns), MAX_SUNS)
+        self.suns[...] = 0.0
+        for i, (direction, color) in enumerate(suns[:MAX_SUNS]):
+            self.suns[i, 0, :3], self.suns[i, 1, :3] = direction, color
+        rest = np.concatenate([overflow, np.flatnonzero(world["type"] != 0)])
+        self.count = len(rest)
+        if len(rest):
+            self._upload(_light_rows(world[rest], origin))
+
+    def _upload(self, rows: NDArray[np.void]) -> None:
         data = rows.tobytes()
-        if data == self._last or not data:
+        if data == self._last:
             return
         self._last = data
         if self.buffer.size < len(data):
@@ -75,3 +84,17 @@ class LightRows:
 
     def release(self) -> None:
         self.buffer.release()
+
+
+def _light_rows(world: NDArray[np.void], origin: NDArray[np.float64]) -> NDArray[np.void]:
+    """WORLD_LIGHT rows as LIGHT_LAYOUT rows."""
+    rows = np.zeros(len(world), LIGHT_LAYOUT.dtype)
+    rows["position"] = world["position"] - origin
+    rows["range"] = world["range"]
+    rows["direction"] = world["direction"]
+    rows["type"] = world["type"]
+    rows["color"] = world["radiant"]
+    inner, outer = world["cos_inner"], world["cos_outer"]
+    rows["spot_scale"] = 1.0 / np.maximum(inner - outer, 1e-4)  # equal angles would divide by zero
+    rows["spot_offset"] = -outer * rows["spot_scale"]
+    return rows

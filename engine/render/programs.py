@@ -45,7 +45,7 @@ class Programs:
     def surface(self, state: DrawState, arena: MeshArena, facts: SceneFacts, samples: int) -> Pipeline:
         key = (
             state.effect, state.features, state.arena, state.topology, state.cull, state.front_ccw, state.blended,
-            facts.environment, facts.lights, facts.debug_view, facts.force_all,
+            facts.environment, facts.suns, facts.local_lights, facts.debug_view, facts.force_all,
         )  # fmt: skip
         pipeline = self._surface.get(key)
         if pipeline is None:

@@ -120,7 +120,7 @@ class Renderer:
         self._lights.update(scene, origin, settings.sun_intensity, rotation)
         block = fill_view_block(
             view, origin, env_map.irradiance_sh, env_map.mips, env_intensity,
-            environment.rotation + rotation, self._lights.count,
+            environment.rotation + rotation, self._lights,
         )  # fmt: skip
         self._view_buffer.write(block.tobytes())
         background = environment.background if settings.background == "scene" else settings.background
@@ -128,7 +128,8 @@ class Renderer:
         facts = SceneFacts(
             opaque=bool(self.draws.opaque),
             transparent=bool(self.draws.has_blended),
-            lights=self._lights.count > 0,
+            suns=self._lights.sun_count > 0,
+            local_lights=self._lights.count > 0,
             environment=lit,
             background=lit and background == "environment",
             tone_map=_tone_map(scene, view),

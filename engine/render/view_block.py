@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.gpu.glsl_layout import Field, layout
+from engine.render.light_rows import MAX_SUNS, LightRows
 from engine.render.view import View
 
 VIEW_LAYOUT = layout(
@@ -21,7 +22,8 @@ VIEW_LAYOUT = layout(
         Field("environment", "vec4"),  # cos, sin of the rotation, intensity, mips
         Field("sh", "vec4", 9),  # irradiance / pi as SH
         Field("size", "vec4"),  # width, height, 1/width, 1/height
-        Field("counts", "uvec4"),  # lights
+        Field("suns", "vec4", 2 * MAX_SUNS),  # direction (where it shines), illuminance; for each directional light
+        Field("counts", "uvec4"),  # lights in the buffer, suns
     ],
     rule="std140",
 )
@@ -29,7 +31,7 @@ VIEW_LAYOUT = layout(
 
 def fill_view_block(
     view: View, origin: NDArray[np.float64], irradiance_sh: NDArray[np.float32], environment_mips: int,
-    environment_intensity: float, environment_rotation: float, light_count: int,
+    environment_intensity: float, environment_rotation: float, lights: LightRows,
 ) -> NDArray[np.void]:  # fmt: skip
     """One row of VIEW_LAYOUT. `environment_rotation` in radians."""
     camera = view.camera
@@ -56,5 +58,6 @@ def fill_view_block(
     )  # fmt: skip
     row["sh"] = irradiance_sh
     row["size"] = (view.width, view.height, 1.0 / view.width, 1.0 / view.height)
-    row["counts"] = (light_count, 0, 0, 0)
+    row["suns"] = lights.suns.reshape(-1, 4)
+    row["counts"] = (lights.count, lights.sun_count, 0, 0)
     return row

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from engine.core.errors import InputError, LucarnaError, UsageError
-from importers.cli.output import count_text, print_findings, print_json, size_text
+from importers.cli.output import count_text, print_findings, print_json, size_text, terminal_progress
 from importers.settings import PRESETS, ImportSettings
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ def run(args: argparse.Namespace) -> int:
     for source, out, name in _plan(args.sources, Path(args.out)):
         started = time.perf_counter()
         try:
-            result = convert(source, out, settings, name=name)
+            result = convert(source, out, settings, None if args.json else terminal_progress(), name)
         except InputError as error:
             # The other sources may be sound: name this one and go on
             failed = error
@@ -92,7 +92,7 @@ def _describe(source: Path, result: ConvertResult, seconds: float) -> dict[str, 
 
 def _print_result(source: Path, result: ConvertResult, seconds: float) -> None:
     steps = ", ".join(f"{name} {value * 1000:.0f} ms" for name, value in result.timings.items())
-    print(f"{source}: {len(result.outputs)} files in {seconds:.2f} s ({steps}); {count_text(result.findings)}")
+    print(f"{source}: {len(result.outputs)} file(s) in {seconds:.2f} s ({steps}); {count_text(result.findings)}")
     for path in result.outputs:
         print(f"  {path}  {size_text(path.stat().st_size)}")
     print_findings(result.findings)

@@ -51,6 +51,7 @@ def _short(value: Any) -> str:
         given = {k: v for k, v in value.items() if v not in (None, "", [], {}) or v == 0}
         return ", ".join(f"{k.replace('_', ' ')} {_short(v)}" for k, v in given.items())
     if isinstance(value, list):
-        numbers = all(isinstance(v, (int, float)) for v in value)
-        return "[" + (" " if numbers else ", ").join(map(_short, value)) + "]"
+        if all(isinstance(v, (int, float)) for v in value):
+            return " ".join(map(str, value))
+        return ", ".join(map(_short, value))
     return f"{value:,}" if isinstance(value, int) and not isinstance(value, bool) else str(value)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 from engine.core.findings import Finding, Findings, Severity
@@ -37,6 +37,18 @@ def count_text(findings: Iterable[Finding]) -> str:
     words = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.INFO: "note"}
     parts = [f"{totals[s]} {word}{'s' if totals[s] != 1 else ''}" for s, word in words.items() if totals[s]]
     return ", ".join(parts) or "no findings"
+
+
+def terminal_progress() -> Callable[[str, float], None] | None:
+    """A progress callback that rewrites one line of the terminal, or None where stderr is no terminal."""
+    if not sys.stderr.isatty():
+        return None
+
+    def show(what: str, share: float) -> None:
+        end = "\r" if share < 0.9 else "\r\033[K"
+        print(f"\r\033[K{share * 100:3.0f} % {what[:60]}", end=end, file=sys.stderr, flush=True)
+
+    return show
 
 
 def print_json(data: Any) -> None:

@@ -58,7 +58,7 @@ def read_container(path: Path, settings: ImportSettings, findings: Findings) -> 
         text, binary = _split_glb(data, path, findings)
     else:
         text = data
-        start = bytes(data[:64]).removeprefix(b"\xef\xbb\xbf").lstrip()
+        start = bytes(data[:4096]).removeprefix(b"\xef\xbb\xbf").lstrip()
         if not start.startswith(b"{"):
             what = f"starts with {start[:8]!r}" if start else "is empty"
             raise FormatError(

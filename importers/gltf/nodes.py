@@ -20,14 +20,20 @@ def node_name(doc: Document, index: int) -> str:
     return doc.name(doc.objects("nodes")[index], f"nodes[{index}]", f"node_{index}")
 
 
-def read_node(doc: Document, index: int) -> NodeAsset:
-    """Node `index` with its transform, camera and light; parent, mesh and joints are the caller's."""
+#: a node given by a matrix, which `apply_matrices` fills in: json path, column-major values, node
+PendingMatrix = tuple[str, tuple[float, ...], NodeAsset]
+
+
+def read_node(doc: Document, index: int, pending: list[PendingMatrix]) -> NodeAsset:
+    """Node `index` with its TRS, camera and light; parent, mesh and joints are the caller's.
+
+    A matrix is appended to `pending` instead: they are decomposed all at once."""
     node, where = doc.objects("nodes")[index], f"nodes[{index}]"
     asset = NodeAsset(node_name(doc, index))
     if "matrix" in node:
         if any(key in node for key in ("translation", "rotation", "scale")):
             doc.findings.warn("gltf.transform", "has both a matrix and TRS; the matrix counts", where)
-        _matrix(doc, node, where, asset)
+        pending.append((f"{where}.matrix", doc.vector(node, "matrix", where, _IDENTITY_MATRIX), asset))
     else:
         _trs(doc, node, where, asset)
     camera = doc.index(node, "camera", where, "cameras")
@@ -66,27 +72,37 @@ def _trs(doc: Document, node: JsonObject, where: str, asset: NodeAsset) -> None:
     asset.scale = (s[0], s[1], s[2])
 
 
-def _matrix(doc: Document, node: JsonObject, where: str, asset: NodeAsset) -> None:
-    values = doc.vector(node, "matrix", where, _IDENTITY_MATRIX)
-    matrix = np.array(values, np.float64).reshape(4, 4).T
-    if not np.allclose(matrix[3], (0, 0, 0, 1), atol=1e-6):
-        doc.findings.warn("gltf.matrix", "the last row is not 0 0 0 1; taken as that", f"{where}.matrix")
-    matrix[3] = (0, 0, 0, 1)
-    largest = float(np.abs(matrix[:3, :3]).max())
+def apply_matrices(doc: Document, pending: list[PendingMatrix]) -> None:
+    """Give the nodes of `pending` their TRS, and keep the matrix where it has shear."""
+    if not pending:
+        return
+    given = np.array([values for _, values, _ in pending], np.float64).reshape(-1, 4, 4).transpose(0, 2, 1)
+    matrices = given.copy()
+    matrices[:, 3] = (0, 0, 0, 1)
+    bent = (np.abs(given[:, 3] - matrices[:, 3]) > 1e-6).any(axis=1)
+    largest = np.abs(matrices[:, :3, :3]).max(axis=(1, 2))
     # of the matrix without its size, so that a scale of 1e-6 is not taken for a singular one
-    determinant = float(np.linalg.det(matrix[:3, :3] / largest)) if largest else 0.0
-    t, r, s = (v.tolist() for v in decompose(matrix))
-    asset.translation, asset.rotation, asset.scale = (t[0], t[1], t[2]), (r[0], r[1], r[2], r[3]), (s[0], s[1], s[2])
-    if abs(determinant) < 1e-12:
-        doc.findings.warn(
-            "gltf.singular", "the matrix is singular: it flattens whatever hangs on the node", f"{where}.matrix",
-            "export the transform again",
-        )  # fmt: skip
-    if not np.allclose(compose(t, r, s)[:3, :3], matrix[:3, :3], rtol=0.0, atol=1e-5 * largest):
-        doc.findings.info(
-            "gltf.shear", "the matrix has shear; kept whole, beside its best fit by TRS", f"{where}.matrix"
+    determinant = np.linalg.det(matrices[:, :3, :3] / np.where(largest > 0, largest, 1.0)[:, None, None])
+    translations, rotations, scales = decompose(matrices)
+    error = np.abs(compose(translations, rotations, scales) - matrices)[:, :3, :3].max(axis=(1, 2))
+    sheared = error > 1e-5 * largest
+    rows = zip(pending, translations.tolist(), rotations.tolist(), scales.tolist(), strict=True)
+    for k, ((where, _, asset), t, r, s) in enumerate(rows):
+        asset.translation, asset.rotation, asset.scale = (
+            (t[0], t[1], t[2]),
+            (r[0], r[1], r[2], r[3]),
+            (s[0], s[1], s[2]),
         )
-        asset.matrix = tuple(float(v) for v in matrix.T.reshape(-1))
+        if bent[k]:
+            doc.findings.warn("gltf.matrix", "the last row is not 0 0 0 1; taken as that", where)
+        if abs(determinant[k]) < 1e-12:
+            doc.findings.warn(
+                "gltf.singular", "the matrix is singular: it flattens whatever hangs on the node", where,
+                "export the transform again",
+            )  # fmt: skip
+        if sheared[k]:
+            doc.findings.info("gltf.shear", "the matrix has shear; kept whole, beside its best fit by TRS", where)
+            asset.matrix = tuple(matrices[k].T.reshape(-1).tolist())
 
 
 def read_camera(doc: Document, index: int) -> CameraAsset:

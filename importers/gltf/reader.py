@@ -6,6 +6,7 @@ import copy
 from pathlib import Path
 from typing import Any
 
+from engine.assets.material import MaterialAsset
 from engine.assets.scene import MeshRef, NodeAsset
 from engine.core.errors import FormatError, InputError, Place
 from engine.core.findings import Findings
@@ -16,7 +17,7 @@ from importers.gltf.document import Document
 from importers.gltf.hierarchy import Hierarchy, read_hierarchy, scene_roots
 from importers.gltf.materials import normal_map_uv, read_material
 from importers.gltf.meshes import MeshReader, Slot
-from importers.gltf.nodes import node_name, read_node
+from importers.gltf.nodes import PendingMatrix, apply_matrices, node_name, read_node
 from importers.gltf.skins import Skin, read_skin
 from importers.gltf.uris import resolve_uri
 from importers.model import ImportedMaterial, ImportedModel, SourceImage
@@ -139,8 +140,9 @@ class _Builder:
         rows = {node: row for row, node in enumerate(order)}
         morphs: dict[int, int] = {}
         inside = set(roots)
+        matrices: list[PendingMatrix] = []
         for node in order:
-            asset = read_node(doc, node)
+            asset = read_node(doc, node, matrices)
             asset.parent = -1 if node in inside else rows[hierarchy.parents[node]]
             self._attach_mesh(node, asset, hierarchy, rows)
             if asset.mesh is not None:
@@ -148,6 +150,7 @@ class _Builder:
             if asset.camera is not None and model.active_camera < 0:
                 model.active_camera = rows[node]
             model.nodes.append(asset)
+        apply_matrices(doc, matrices)
         used = {mesh for mesh, _ in self._meshes}
         for mesh in range(len(doc.objects("meshes"))):
             if mesh not in used:
@@ -230,8 +233,6 @@ class _Builder:
             if slot.material >= 0:
                 twin = copy.deepcopy(materials[slot.material])
             else:
-                from engine.assets.material import MaterialAsset
-
                 twin = ImportedMaterial(MaterialAsset("default"))
             if "unlit" in twin.asset.features:
                 self._unlit[slot.material] = slot.material

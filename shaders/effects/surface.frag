@@ -96,8 +96,14 @@ vec3 shade(MaterialParams m, Surface s, vec3 v)
 #if ENVIRONMENT
     color += environment_lighting(s.normal, v, f0, diffuse_albedo, s.roughness, s.occlusion);
 #endif
-#if PUNCTUAL_LIGHTS
-    color += punctual_lighting(v_position, s.normal, v, f0, f90, diffuse_albedo, s.roughness * s.roughness);
+#if SUNS || LOCAL_LIGHTS
+    Reflector r = Reflector(s.normal, v, f0, f90, diffuse_albedo, s.roughness * s.roughness, max(dot(s.normal, v), 1e-4));
+#endif
+#if SUNS
+    color += sun_lighting(r);
+#endif
+#if LOCAL_LIGHTS
+    color += local_lighting(v_position, r);
 #endif
     return color;
 }

@@ -1,4 +1,5 @@
-// Punctual lights: directional, point, spot. The Light struct and the buffer are generated (engine/render/light_rows.py).
+// Punctual lights: directional, point, spot. The Light struct and the buffer are generated (engine/render/light_rows.py);
+// the first directional ones (suns) are in the view block.
 #include "lib/brdf.glsl"
 
 // Lagarde and de Rousiers 2014, "Moving Frostbite to PBR", listings 1 and 2: inverse square with a smooth window that
@@ -32,23 +33,49 @@ vec3 light_incidence(uint i, vec3 p, out vec3 l)
     return light.color * e;
 }
 
-vec3 punctual_lighting(vec3 p, vec3 n, vec3 v, vec3 f0, float f90, vec3 diffuse_albedo, float alpha)
+// What a surface point is to a light: unit normal and direction to the viewer, reflectances, GGX alpha, n.v.
+struct Reflector {
+    vec3 n;
+    vec3 v;
+    vec3 f0;
+    float f90;
+    vec3 diffuse_albedo;
+    float alpha;
+    float n_dot_v;
+};
+
+// Radiance reflected towards v of irradiance `e` (perpendicular to l) from direction l: Lambert under a GGX coat.
+vec3 reflected(Reflector r, vec3 l, vec3 e)
 {
-    float n_dot_v = max(dot(n, v), 1e-4);
+    float n_dot_l = dot(r.n, l);
+    if (n_dot_l <= 0.0) return vec3(0.0);
+    vec3 h = safe_normalize(l + r.v);
+    vec3 f = F_Schlick(r.f0, vec3(r.f90), dot(r.v, h));
+    float d = D_GGX(r.alpha, sat(dot(r.n, h)), r.n, h);
+    float vis = V_SmithGGXCorrelated(r.alpha, r.n_dot_v, n_dot_l);
+    vec3 specular = f * min(d * vis, 1e6);
+    vec3 diffuse = (1.0 - f) * r.diffuse_albedo * (1.0 / PI);
+    return (specular + diffuse) * e * n_dot_l;
+}
+
+// Directional lights in the view block.
+vec3 sun_lighting(Reflector r)
+{
+    vec3 sum = vec3(0.0);
+    for (uint i = 0u; i < view.counts.y; ++i) {
+        sum += reflected(r, -view.suns[2u * i].xyz, view.suns[2u * i + 1u].xyz);
+    }
+    return sum;
+}
+
+// All other lights.
+vec3 local_lighting(vec3 p, Reflector r)
+{
     vec3 sum = vec3(0.0);
     for (uint i = 0u; i < view.counts.x; ++i) {
         vec3 l;
         vec3 e = light_incidence(i, p, l);
-        float n_dot_l = dot(n, l);
-        if (n_dot_l <= 0.0) continue;
-        vec3 h = safe_normalize(l + v);
-        float n_dot_h = sat(dot(n, h));
-        vec3 f = F_Schlick(f0, vec3(f90), dot(v, h));
-        float d = D_GGX(alpha, n_dot_h, n, h);
-        float vis = V_SmithGGXCorrelated(alpha, n_dot_v, n_dot_l);
-        vec3 specular = f * min(d * vis, 1e6);
-        vec3 diffuse = (1.0 - f) * diffuse_albedo * (1.0 / PI);
-        sum += (specular + diffuse) * e * n_dot_l;
+        sum += reflected(r, l, e);
     }
     return sum;
 }

@@ -130,7 +130,7 @@ def test_inspect_describes_sources_and_engine_files(tmp_path: Path, capsys: Capt
         ("a.lmesh", "vertices 3"),
         ("a.scene.json", "a.lmesh"),
         ("a.paint.material.toml", "surface"),
-        ("a.paint.base_color.dds", "size: [4 4 1]"),
+        ("a.paint.base_color.dds", "size: 4 4 1"),
     ):
         assert main(["inspect", str(tmp_path / "out" / name)]) == 0
         assert word in capsys.readouterr().out
