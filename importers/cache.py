@@ -11,15 +11,15 @@ import json
 import shutil
 import tempfile
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from engine.core.errors import OutputError, Place
 from engine.core.findings import Finding, Findings, Severity
 from engine.core.paths import user_cache_dir
-from importers.convert import Progress, stage
-from importers.fingerprint import source_key
-from importers.registry import find_importer
 from importers.settings import ImportSettings
+
+if TYPE_CHECKING:
+    from importers.convert import Progress
 
 _RECORD = "import.json"
 SCENE_SUFFIX = ".scene.json"
@@ -36,6 +36,11 @@ def scene_for(
     path = Path(path)
     if path.name.lower().endswith(SCENE_SUFFIX):
         return path, Findings(str(path))
+    # here: opening a converted scene needs none of it
+    from importers.convert import stage
+    from importers.fingerprint import source_key
+    from importers.registry import find_importer
+
     settings = settings or ImportSettings()
     importer = find_importer(path)
     key = source_key(path, importer, settings)

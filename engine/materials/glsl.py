@@ -19,11 +19,11 @@ if TYPE_CHECKING:
 MATERIAL_BINDING = 2
 
 #: Helper invocations (those of a 2x2 quad outside the triangle) need not see what an SSBO holds: on llvmpipe they read
-#: zeros, and with a uv that depends on the material their derivatives, and by them the mip, would be garbage. So the
-#: gradient is the mean over the invocations inside; neighbours' values are had from the fine derivatives.
-_QUAD_MEAN = """
+#: zeros. Where the uv depends on the material, its derivatives and with them the mip would be garbage along all edges.
+#: So helpers take the value of the invocations inside; neighbours' values are had from the fine derivatives.
+_WITHIN_QUAD = """
 #ifdef STAGE_FRAGMENT
-vec4 quad_mean(vec4 value)
+vec4 within_quad(vec4 value)
 {
     vec4 sum = gl_HelperInvocation ? vec4(0.0) : value;
     float count = gl_HelperInvocation ? 0.0 : 1.0;
@@ -32,8 +32,10 @@ vec4 quad_mean(vec4 value)
     count += count + dFdxFine(count) * side.x;
     sum += sum + dFdyFine(sum) * side.y;
     count += count + dFdyFine(count) * side.y;
-    return sum / max(count, 1.0);
+    return gl_HelperInvocation ? sum / max(count, 1.0) : value;
 }
+#else
+vec4 within_quad(vec4 value) { return value; }
 #endif"""
 
 #: parameter type -> GLSL type; a bool is 0 or 1, an enum the index of its choice
@@ -62,36 +64,23 @@ def generate(effect: Effect, features: frozenset[str]) -> str:
     ]
     parts += [f"layout(binding = {slot.unit}) uniform sampler2DArray t_{slot.name};" for slot in effect.textures]
     if features & {"uv1", "uv_transform"}:
-        parts.append(_QUAD_MEAN.strip())
+        parts.append(_WITHIN_QUAD.strip())
     parts += [_sampler(slot.name, features) for slot in effect.textures]
     return "\n".join(parts) + "\n"
 
 
 def _sampler(slot: str, features: frozenset[str]) -> str:
-    chosen = f"m.{slot}_uv == 1u ? uv1 : uv0" if "uv1" in features else "uv0"
-    lines = [f"vec4 sample_{slot}(MaterialParams m, vec2 uv0, vec2 uv1)", "{", f"    vec2 uv = {chosen};"]
+    lines = [f"vec4 sample_{slot}(MaterialParams m, vec2 uv0, vec2 uv1)", "{"]
+    if "uv1" in features:
+        lines += [
+            f"    float second = within_quad(vec4(m.{slot}_uv == 1u ? 1.0 : 0.0)).x;",
+            "    vec2 uv = second > 0.5 ? uv1 : uv0;",
+        ]
+    else:
+        lines.append("    vec2 uv = uv0;")
     if "uv_transform" in features:
         lines += [
             "    vec3 p = vec3(uv, 1.0);",
-            f"    uv = vec2(dot(m.{slot}_row0.xyz, p), dot(m.{slot}_row1.xyz, p));",
+            f"    uv = vec2(dot(within_quad(m.{slot}_row0).xyz, p), dot(within_quad(m.{slot}_row1).xyz, p));",
         ]
-    at = f"t_{slot}, vec3(uv, float(m.{slot}_layer))"
-    if features & {"uv1", "uv_transform"}:
-        lines.append("#ifdef STAGE_FRAGMENT")
-        for axis in "xy":
-            gradient = f"dFd{axis}(uv0)"
-            if "uv1" in features:
-                gradient = f"m.{slot}_uv == 1u ? dFd{axis}(uv1) : {gradient}"
-            lines.append(f"    vec2 d{axis} = {gradient};")
-            if "uv_transform" in features:
-                lines.append(f"    d{axis} = vec2(dot(m.{slot}_row0.xy, d{axis}), dot(m.{slot}_row1.xy, d{axis}));")
-        lines.append("    vec4 gradient = quad_mean(vec4(dx, dy));")
-        lines += [
-            f"    return textureGrad({at}, gradient.xy, gradient.zw);",
-            "#else",
-            f"    return texture({at});",
-            "#endif",
-            "}",
-        ]
-        return "\n".join(lines)
-    return "\n".join([*lines, f"    return texture({at});", "}"])
+    return "\n".join([*lines, f"    return texture(t_{slot}, vec3(uv, float(m.{slot}_layer)));", "}"])

@@ -79,7 +79,7 @@ def apply_matrices(doc: Document, pending: list[PendingMatrix]) -> None:
     given = np.array([values for _, values, _ in pending], np.float64).reshape(-1, 4, 4).transpose(0, 2, 1)
     matrices = given.copy()
     matrices[:, 3] = (0, 0, 0, 1)
-    bent = (np.abs(given[:, 3] - matrices[:, 3]) > 1e-6).any(axis=1)
+    bent = np.asarray((np.abs(given[:, 3] - matrices[:, 3]) > 1e-6).any(axis=1))
     largest = np.abs(matrices[:, :3, :3]).max(axis=(1, 2))
     # of the matrix without its size, so that a scale of 1e-6 is not taken for a singular one
     determinant = np.linalg.det(matrices[:, :3, :3] / np.where(largest > 0, largest, 1.0)[:, None, None])

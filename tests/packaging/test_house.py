@@ -28,12 +28,6 @@ def test_tests_are_no_packages() -> None:
     assert not found, "pytest imports tests by path; a package there shadows the product"
 
 
-def test_test_names_are_unique() -> None:
-    """Unique names keep `pytest -k` and reports readable."""
-    names = [p.name for p in (ROOT / "tests").rglob("test_*.py")]
-    assert sorted(names) == sorted(set(names))
-
-
 @pytest.mark.parametrize("init", package_inits(), ids=lambda p: str(p.parent.relative_to(ROOT)))
 def test_every_package_says_what_it_is(init: Path) -> None:
     docstring = ast.get_docstring(ast.parse(init.read_text(encoding="utf-8")))
