@@ -19,10 +19,10 @@ from editor.panels.viewport import ViewportPanel
 from editor.preferences import layout_path
 from editor.session import Session
 from editor.ui import Ui
-from engine.core.errors import LucarnaError
+from engine.core.errors import DeviceError, LucarnaError
 
-#: frames a second while nobody does anything: enough for a cursor to blink
-IDLE_FPS = 4.0
+#: frames a second while nobody does anything: every event wakes the window at once
+IDLE_FPS = 1.0
 #: the wheel is at rest after so many seconds
 WHEEL_REST = 0.2
 #: how long a screenshot waits for a file that is still being opened, seconds
@@ -56,7 +56,14 @@ class App:
 
     def run(self) -> None:
         """Show the window until it is closed. Raises DeviceError when there is no usable graphics device."""
-        hello_imgui.run(self.params)
+        try:
+            hello_imgui.run(self.params)
+        except RuntimeError as error:
+            if self.ui.drawn:  # the window was there: this is a defect, and its traceback is wanted
+                raise
+            raise DeviceError(
+                f"no window could be opened: {error}", hint="is there a display, and does its driver have OpenGL 4.5?"
+            ) from error
         if self.failure is not None:
             raise self.failure
 

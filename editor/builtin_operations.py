@@ -10,6 +10,7 @@ from editor import camera_controls
 from editor.navigation import PRESETS
 from editor.operations import Operation, Operations, always
 from editor.session import Session
+from engine.render.settings import DEBUG_VIEWS
 
 
 def _has_document(session: Session) -> bool:
@@ -55,6 +56,24 @@ def _view(side: str) -> Callable[[Session], None]:
         session.camera = camera_controls.along(session.camera, side)
 
     return run
+
+
+def _debug_view(
+    name: str,
+) -> tuple[Callable[[Session], None], Callable[[Session], bool], Callable[[Session], bool]]:
+    """(run, enabled, checked) of showing one input of the shading instead of the lit picture."""
+
+    def run(session: Session) -> None:
+        session.settings.view = name
+
+    def enabled(session: Session) -> bool:
+        known = {p.name: p for p in session.settings.PARAMS}
+        return session.document is not None and "view" in known and name in known["view"].choices
+
+    def checked(session: Session) -> bool:
+        return session.document is not None and getattr(session.settings, "view", "") == name
+
+    return run, enabled, checked
 
 
 def _keymap(preset: str) -> tuple[Callable[[Session], None], Callable[[Session], bool]]:
@@ -208,6 +227,12 @@ def builtin_operations() -> Operations:
     add("view.scale-reset", "Normal interface size", _scale(0.0), "Ctrl+0", menu="View")
     add("view.reset-layout", "Reset layout", _ask("reset_layout"), menu="View")
     add("view.reset-settings", "Reset render settings", Session.reset_settings, menu="View", enabled=doc)
+
+    for i, name in enumerate(DEBUG_VIEWS[:9]):
+        run, enabled, checked = _debug_view(name)
+        label = f"Show {name.replace('_', ' ')}"
+        id = f"view.show-{name.replace('_', '-')}"
+        add(id, label, run, str(i + 1), menu="View", enabled=enabled, checked=checked, separator=i == 0)
 
     add("play.toggle", "Play or pause", lambda s: s.playback.toggle(), "Space", menu="Playback", enabled=_can_play)
     add("play.previous", "Previous frame", _step(-1), ",", menu="Playback", enabled=_can_play)

@@ -27,7 +27,8 @@ def parse_size(text: str) -> tuple[int, int]:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Returns 0 when the window was closed in good order. Raises UsageError, InputError, DeviceError, OutputError."""
+    """Returns 0 when the window was closed in good order. Raises UsageError, InputError, DeviceError, OutputError; with
+    --screenshot also what kept the file from being opened, after the picture that shows it is written."""
     size = parse_size(args.size)
     if args.frames < 1:
         raise UsageError(f"--frames {args.frames} is not a count", hint="give 1 or more")
@@ -57,14 +58,11 @@ def run(args: argparse.Namespace) -> int:
         session.ui.welcome = True
     app.run()
     if picture:
-        return _write_picture(args.screenshot, session.failed)
+        from imgui_bundle import hello_imgui
+
+        from editor.screenshot import save_window
+
+        save_window(args.screenshot, hello_imgui.final_app_window_screenshot())
+        if session.failure is not None:
+            raise session.failure
     return 0
-
-
-def _write_picture(path: Path, failed: bool) -> int:
-    from imgui_bundle import hello_imgui
-
-    from editor.screenshot import save_window
-
-    save_window(path, hello_imgui.final_app_window_screenshot())
-    return 1 if failed else 0

@@ -15,6 +15,10 @@ from editor.host import Resolved, Runtime, box_corners
 from editor.tables import make_command, tables_of
 
 
+#: parts whose real boxes are looked at one by one; above, their bounding spheres serve
+EXACT_LIMIT = 200
+
+
 class Document:
     """Owns `runtime` until `close()`."""
 
@@ -32,7 +36,9 @@ class Document:
         self.overrides: dict[tuple[str, str, int], Any] = {}
         #: where this document was saved in this session, or None
         self.saved_to: Path | None = None
-        self._extent: tuple[tuple[int, int], dict[int, list[int]]] | None = None
+        self._bounds: dict[tuple[int, ...], tuple[NDArray[np.float64], NDArray[np.float64]]] = {}
+        self._bounds_key: object = None
+        self._children_cache: tuple[tuple[int, int], dict[int, list[int]]] | None = None
 
     @property
     def dirty(self) -> bool:
@@ -77,15 +83,29 @@ class Document:
     def bounds(self, rows: Sequence[int] = ()) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """World box (low, high) of the nodes `rows` with all below them; without rows, of everything visible.
 
-        Nodes without a mesh count as points. Empty: (inf, -inf)."""
+        Nodes without a mesh count as points. Kept until something moves; above EXACT_LIMIT parts, of their spheres."""
+        scene = self.runtime.scene
+        key = (int(scene.structure_rev), int(scene.transform_rev), self.history.revision)
+        if key != self._bounds_key:
+            self._bounds_key = key
+            self._bounds.clear()
+        rows = tuple(rows)
+        if rows not in self._bounds:
+            self._bounds[rows] = self._find_bounds(rows)
+        return self._bounds[rows]
+
+    def _find_bounds(self, rows: tuple[int, ...]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         scene = self.runtime.scene
         if not rows:
             low, high = scene.bounds()
             return np.asarray(low, dtype=np.float64), np.asarray(high, dtype=np.float64)
         nodes = sorted({n for row in rows for n in self.subtree(row)})
         points: list[NDArray[np.float64]] = []
-        wanted = np.isin(np.asarray(scene.instances.node), nodes)
-        for instance in np.flatnonzero(wanted):
+        wanted = np.flatnonzero(np.isin(np.asarray(scene.instances.node), nodes))
+        if len(wanted) > EXACT_LIMIT:
+            center, radius = scene.instances.world_center[wanted], scene.instances.world_radius[wanted, None]
+            return (center - radius).min(axis=0), (center + radius).max(axis=0)
+        for instance in wanted:
             low, high = self._instance_box(int(instance))
             world = scene.nodes.world_matrix(int(scene.instances.node[instance]))
             points.append(box_corners(low, high) @ world[:3, :3].T + world[:3, 3])
@@ -106,13 +126,13 @@ class Document:
     def _children(self) -> dict[int, list[int]]:
         scene = self.runtime.scene
         key = (int(scene.structure_rev), len(scene.nodes.name))
-        if self._extent is None or self._extent[0] != key:
+        if self._children_cache is None or self._children_cache[0] != key:
             children: dict[int, list[int]] = {}
             parents, alive = np.asarray(scene.nodes.parent), np.asarray(scene.nodes.alive)
             for row in np.flatnonzero(alive[: len(parents)]):
                 children.setdefault(int(parents[row]), []).append(int(row))
-            self._extent = (key, children)
-        return self._extent[1]
+            self._children_cache = (key, children)
+        return self._children_cache[1]
 
     def children_of(self, row: int) -> list[int]:
         """Live child rows of `row` (-1: the roots), in table order."""

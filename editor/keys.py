@@ -13,6 +13,10 @@ _NAMES = {
 }  # fmt: skip
 
 
+#: operations whose keys mean something of their own while a text field has the focus
+TEXT_FIELDS_OWN = {"edit.undo", "edit.redo"}
+
+
 def chord(shortcut: str) -> int:
     """`Ctrl+Shift+P` as an imgui key chord."""
     *modifiers, key = shortcut.split("+")
@@ -38,7 +42,8 @@ def run_shortcuts(ui: Ui, *, flying: bool) -> None:
     if imgui.is_popup_open("", imgui.PopupFlags_.any_popup_id | imgui.PopupFlags_.any_popup_level):
         return
     for shortcut, operation in ui.operations.shortcuts().items():
-        if needs_modifier(shortcut) and (io.want_text_input or flying):
+        bare = needs_modifier(shortcut)
+        if (bare and flying) or (io.want_text_input and (bare or operation in TEXT_FIELDS_OWN)):
             continue
         if imgui.is_key_chord_pressed(chord(shortcut)):
             ui.operations.run(operation, ui.session)

@@ -21,6 +21,7 @@ from editor.messages import Messages
 from editor.opening import OpenJob
 from editor.playback import Playback
 from editor.preferences import Preferences
+from editor.thumbnails import Thumbnails
 from editor.viewport_image import ViewportImage
 from engine.core.errors import LucarnaError
 from engine.core.param import ParamBlock
@@ -61,6 +62,7 @@ class Session:
     camera: OrbitCamera = field(default_factory=OrbitCamera)
     playback: Playback = field(default_factory=Playback)
     image: ViewportImage = field(default_factory=ViewportImage)
+    thumbnails: Thumbnails = field(default_factory=Thumbnails)
     ui: UiRequests = field(default_factory=UiRequests)
     width: int = 1280
     height: int = 720
@@ -69,8 +71,8 @@ class Session:
     interacting: bool = False
     #: name of a node to select when a document opens
     select_on_open: str = ""
-    #: whether anything the user asked to open could not be
-    failed: bool = False
+    #: the last thing the user asked for that could not be done
+    failure: LucarnaError | None = None
     _settings: ParamBlock | None = None
 
     # --- opening ---
@@ -103,7 +105,8 @@ class Session:
             self.adopt(Document(job.result, runtime))
 
     def adopt(self, document: Document) -> None:
-        """Make `document` the open one, close the one before, look at it."""
+        """Make `document` the open one, close the one before, look at it; the camera stays when it is the same file."""
+        again = self.document is not None and self.document.source == document.source
         self.close()
         self.document = document
         self.ui.error_bar = ""
@@ -117,7 +120,8 @@ class Session:
         self.playback = Playback(duration=float(document.runtime.duration))
         self.playback.playing = self.playback.available and not self.software
         document.runtime.update(0.0)
-        self.reset_camera()
+        if not again:
+            self.reset_camera()
         if self.select_on_open in scene.nodes.name:
             document.select(list(scene.nodes.name).index(self.select_on_open))
         self.preferences.add_recent(document.source)
@@ -128,6 +132,7 @@ class Session:
         if self.document is not None:
             self.image.forget()
             with self.device_frame():
+                self.thumbnails.forget()
                 self.document.close()
             self.document = None
             self.playback = Playback()
@@ -136,7 +141,7 @@ class Session:
         """Log an error and show it in the bar; nothing else changes."""
         self.messages.error(error)
         self.ui.error_bar = str(error)
-        self.failed = True
+        self.failure = error
 
     # --- editing ---
 
@@ -171,6 +176,19 @@ class Session:
         command = self.document.history.redo() if self.document is not None else None
         if command is not None:
             self.ui.notice = f"Redone: {command.describe()}"
+
+    def thumbnail(self, material: int, slot: str) -> int:
+        """The native id of a small picture of the texture in a material's slot; 0 where there is none."""
+        if self.document is None or self.null_pictures:
+            return 0
+        texture, layer = self.document.runtime.residency.materials.slot_texture(material, slot)
+        with self.device_frame():
+            return self.thumbnails.get(self.device, texture, layer)
+
+    @property
+    def null_pictures(self) -> bool:
+        """Whether the device makes no pictures that a window could show."""
+        return self.device is None or self.device.caps.backend == "null"
 
     def set_visible(self, rows: Sequence[int], visible: bool) -> None:
         verb = "Show" if visible else "Hide"

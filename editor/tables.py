@@ -55,6 +55,10 @@ class NodeColumns:
                 if matrix is not None:
                     self._nodes.set_matrix(row, np.array(matrix))
             return
+        if column == "name":
+            for row, value in zip(rows, values, strict=True):
+                self._nodes.name[row] = value
+            return
         dtype = np.bool_ if column == "visible" else np.float64
         setter = getattr(self._nodes, f"set_{column}")
         setter(np.asarray(rows, dtype=np.int64), np.asarray(values, dtype=dtype))

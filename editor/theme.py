@@ -102,6 +102,7 @@ def apply(scale: float = 1.0) -> None:
     style.disabled_alpha = 0.45
     style.hover_delay_short = 0.25
     style.font_scale_main = scale
+    style.scale_all_sizes(scale)
     for name, color in _colors().items():
         style.set_color_(getattr(imgui.Col_, name), imgui.ImVec4(*color))
 
@@ -109,7 +110,7 @@ def apply(scale: float = 1.0) -> None:
 def _colors() -> dict[str, Rgba]:
     clear = (0.0, 0.0, 0.0, 0.0)
     return {
-        "text": TEXT, "text_disabled": DIM, "window_bg": PANEL, "child_bg": clear, "popup_bg": rgb("#1e2025", 0.985),
+        "text": TEXT, "text_disabled": DIM, "window_bg": PANEL, "child_bg": clear, "popup_bg": rgb("#1e2025"),
         "border": BORDER, "border_shadow": clear, "frame_bg": FRAME, "frame_bg_hovered": FRAME_HOVER,
         "frame_bg_active": FRAME_ACTIVE, "title_bg": BACKGROUND, "title_bg_active": BACKGROUND,
         "title_bg_collapsed": BACKGROUND, "menu_bar_bg": BACKGROUND, "scrollbar_bg": clear,

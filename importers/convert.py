@@ -79,7 +79,7 @@ def stage(
     Raises OutputError."""
     base = safe_name(name or source.stem)
     provenance = {
-        "source": source.name,
+        "source": source.name.encode("utf-8", "replace").decode("utf-8"),
         "source_hash": key or source_key(source, importer, settings),
         "importer": f"{importer.name} {importer.version}",
     }
@@ -91,7 +91,10 @@ def stage(
     for material in model.materials:
         files.append(f"{names.take(f'{base}.{safe_name(material.asset.name)}')}.material.toml")
         write_material(folder / files[-1], material.asset)
-    scene = SceneAsset(model.name, model.nodes, active_camera=model.active_camera, provenance=provenance)
+    scene = SceneAsset(
+        model.name, model.nodes, environment=model.environment, look=model.look,
+        active_camera=model.active_camera, provenance=provenance,
+    )  # fmt: skip
     if model.meshes:
         write_lmesh(folder / f"{base}.lmesh", model.meshes, provenance)
     for node in model.nodes:

@@ -17,7 +17,7 @@ def digest_of(*parts: bytes | str) -> str:
     """A 32-digit hexadecimal BLAKE2b digest of length-prefixed parts."""
     state = hashlib.blake2b(digest_size=16)
     for part in parts:
-        data = part.encode("utf-8") if isinstance(part, str) else part
+        data = part.encode("utf-8", "backslashreplace") if isinstance(part, str) else part
         state.update(len(data).to_bytes(8, "little"))
         state.update(data)
     return state.hexdigest()

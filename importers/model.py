@@ -9,7 +9,7 @@ from pathlib import Path
 from engine.assets.clip import ClipAsset
 from engine.assets.material import MaterialAsset
 from engine.assets.mesh import MeshAsset
-from engine.assets.scene import NodeAsset
+from engine.assets.scene import EnvironmentAsset, LookAsset, NodeAsset
 from engine.core.findings import Findings
 
 
@@ -64,5 +64,7 @@ class ImportedModel:
     nodes: list[NodeAsset] = field(default_factory=list)
     clips: list[ClipAsset] = field(default_factory=list)
     active_camera: int = -1
+    environment: EnvironmentAsset = field(default_factory=EnvironmentAsset)
+    look: LookAsset = field(default_factory=LookAsset)
     dependencies: list[Path] = field(default_factory=list)
     summary: dict[str, object] = field(default_factory=dict)

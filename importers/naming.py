@@ -9,6 +9,7 @@ _UNSAFE = re.compile(r'[\x00-\x1f<>:"/\\|?*\x7f\s]+')
 
 def safe_name(name: str, fallback: str = "unnamed") -> str:
     """`name` without separators, spaces, control characters and what Windows forbids; at most 60 characters."""
+    name = name.encode("utf-8", "replace").decode("utf-8")
     return _UNSAFE.sub("_", name).strip("._ ")[:60].strip("._ ") or fallback
 
 

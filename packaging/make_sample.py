@@ -41,6 +41,13 @@ SUN_HEIGHT = 0.36  # m above the floor; the planets circle in this plane
 FLOOR_RADIUS = 0.70  # m
 PEDESTAL_RADIUS = 0.19  # m
 PEDESTAL_HEIGHT = 0.060  # m
+#: how it wants to be shown: dark behind, so that metal reads
+SURROUNDINGS = {
+    "environment": {
+        "kind": "studio", "background": "color", "background_color": [0.050, 0.055, 0.070], "sun_illuminance": 1.2,
+    },
+    "look": {"tone_map": "neutral", "exposure": -0.35},
+}  # fmt: skip
 GEAR_MODULE = 0.0040  # m: pitch diameter / teeth
 
 
@@ -60,11 +67,11 @@ class Planet:
 
 
 PLANETS = (
-    Planet("mercury", "hammered iron", 0.064, 0.0085, 0.310, 4, -2, 0.60),
-    Planet("venus", "terracotta", 0.094, 0.0135, 0.295, 3, 4, 2.30, 0.1),
-    Planet("earth", "porcelain", 0.128, 0.0165, 0.280, 2, 6, 0.05, 0.41),
-    Planet("saturn", "gold", 0.168, 0.0165, 0.265, 1, 3, 3.75, 0.35),
-    Planet("jupiter", "painted", 0.2030, 0.0235, 0.250, 1, 4, 5.35, 0.05),
+    Planet("mercury", "hammered iron", 0.064, 0.0085, 0.310, 4, -2, 2.94),
+    Planet("venus", "terracotta", 0.094, 0.0135, 0.295, 3, 4, 4.85, 0.1),
+    Planet("earth", "porcelain", 0.128, 0.0165, 0.280, 2, 6, 0.80, 0.41),
+    Planet("saturn", "gold", 0.168, 0.0165, 0.265, 1, 3, 1.62, 0.35),
+    Planet("jupiter", "painted", 0.2030, 0.0235, 0.250, 1, 4, 5.80, 0.05),
 )
 
 
@@ -180,8 +187,8 @@ def add_materials(shop: Workshop) -> None:
     add("sun", "#000000", 1.0, 0.0,
         emissiveFactor=[1.0, 1.0, 1.0],
         emissiveTexture=use("sun", jpeg(textures.sun_surface(), 88)),
-        extensions={"KHR_materials_emissive_strength": {"emissiveStrength": 5.0}})  # fmt: skip
-    add("glass", "#e8f4ff", 0.03, 0.0, alpha=0.10, alphaMode="BLEND")
+        extensions={"KHR_materials_emissive_strength": {"emissiveStrength": 3.0}})  # fmt: skip
+    add("glass", "#20262c", 0.03, 0.0, alpha=0.16, alphaMode="BLEND")
     add("filigree", "#ffffff", 0.22, 1.0, alphaMode="MASK", alphaCutoff=0.5, doubleSided=True,
         baseColorTexture=use("filigree", png(textures.filigree())))  # fmt: skip
     add("planet ring", "#ffffff", 0.16, 1.0, alphaMode="MASK", alphaCutoff=0.5, doubleSided=True,
@@ -233,7 +240,7 @@ def add_pedestal(shop: Workshop, root: int) -> int:
         *arc((r - 0.020, 0.052), 0.0065, -70, 90, 6),
         (r - 0.020, h), (0.0, h),
     ]  # fmt: skip
-    shop.part("marble drum", lathe(drum, 72, 0.0012, steps=2, v_per_metre=0.85), "marble", group)
+    shop.part("marble drum", lathe(drum, 72, 0.0012, steps=2, u_repeat=2, v_per_metre=1.7), "marble", group)
     base_y, wood_r = h, 0.146
     wood = [
         (0.0, base_y), (wood_r, base_y), (wood_r, base_y + 0.005),
@@ -293,7 +300,12 @@ def add_frame(shop: Workshop, root: int) -> None:
     )  # fmt: skip
     # a slender ecliptic, tilted as the Earth's axis is
     ecliptic = ring(0.2395, 0.0034, 0.0050, 96, 0.0010, steps=2)
-    shop.part("ecliptic ring", ecliptic, "polished brass", upright, rotation=about("x", math.radians(66.6)))
+    band_node = shop.part("ecliptic ring", ecliptic, "polished brass", upright, rotation=about("x", math.radians(66.6)))
+    bead = shop.mesh("bead", sphere(0.0042, 14, 8), "gold")
+    for i in range(12):
+        angle = i * math.tau / 12
+        at = [0.2395 * math.sin(angle), 0.0, 0.2395 * math.cos(angle)]
+        shop.glb.add_node(f"bead {i + 1}", band_node, mesh=bead, translation=at)
 
     leg_path = bezier(
         [(0, 0.062, 0.150), (0, 0.075, 0.335), (0, 0.200, 0.120), (0, 0.330, 0.255), (0, 0.3535, 0.274)], 26
@@ -362,7 +374,7 @@ def add_sun(shop: Workshop, root: int) -> None:
     sun = shop.glb.add_node("sun", root, translation=[0, SUN_HEIGHT, 0])
     core = shop.part("lantern", sphere(0.0195, 40, 20), "sun", sun)
     shop.spin(core, (0, 1, 0), 1)
-    light = shop.glb.add_light(name="lantern light", type="point", color=[1.0, 0.72, 0.42], intensity=0.12, range=2.0)
+    light = shop.glb.add_light(name="lantern light", type="point", color=[1.0, 0.72, 0.42], intensity=0.22, range=2.0)
     shop.glb.add_node("lantern light", sun, extensions=light)
     shop.part("glass globe", sphere(0.0335, 40, 20), "glass", sun)
     outer = ring(0.0430, 0.0022, 0.0048, 72, 0.0007, steps=2)
@@ -472,8 +484,8 @@ def add_moon(shop: Workshop, parent: int, earth: Planet) -> None:
 def add_views(shop: Workshop) -> None:
     """Cameras: the whole instrument, and a close look into the planets."""
     views = {
-        "main": ((0.56, 0.60, 1.14), (0.0, 0.290, 0.0), 32.0),
-        "close": ((-0.20, 0.47, 0.36), (0.015, 0.335, 0.02), 34.0),
+        "main": ((0.50, 0.53, 1.10), (0.0, 0.306, 0.0), 31.5),
+        "close": ((0.17, 0.465, 0.385), (0.012, 0.333, 0.015), 33.0),
     }
     for name, (eye, target, yfov) in views.items():
         camera = shop.glb._append(
@@ -493,7 +505,7 @@ def make() -> bytes:
         build(shop, root)
     add_views(shop)
     shop.glb.add_animation("orbit", shop.channels)
-    return shop.glb.to_bytes(scene_name="orrery")
+    return shop.glb.to_bytes(scene_name="orrery", extras={"lucarna": SURROUNDINGS})
 
 
 def main(arguments: Sequence[str]) -> int:

@@ -17,8 +17,8 @@ import bootstrap
 
 #: file name, and the arguments of `lucarna render` that make it
 PICTURES = (
-    ("orrery.png", ["--camera", "main", "--time", "3"]),
-    ("orrery-close.png", ["--camera", "close", "--time", "5"]),
+    ("orrery.png", ["--camera", "main"]),
+    ("orrery-close.png", ["--camera", "close", "--time", "0.4"]),
 )
 
 

@@ -10,7 +10,7 @@ from editor import icons, saving, theme
 from editor.panels.assets import KIND_LOOKS
 from editor.panels.folder_listing import Entry, FolderListing, can_open, size_text
 from editor.ui import Ui
-from editor.widgets import bold, em, icon_button, text
+from editor.widgets import bold, em, icon_button, text, tooltip
 
 
 class FileDialog:
@@ -23,6 +23,8 @@ class FileDialog:
         self.file = ""
         self.show_all = False
         self._listing: FolderListing | None = None
+        #: the file that would be replaced; a second press on the button does it
+        self._replace: Path | None = None
 
     def draw(self, ui: Ui) -> None:
         requests = ui.session.ui
@@ -54,6 +56,7 @@ class FileDialog:
         imgui.end_popup()
 
     def _start(self, ui: Ui) -> None:
+        self._replace = None
         document = ui.session.document
         if document is not None:
             target = saving.suggested_target(document) if self.saving else document.source
@@ -130,6 +133,8 @@ class FileDialog:
 
     def _footer(self, ui: Ui) -> None:
         imgui.spacing()
+        if self._replace is not None and self._replace.name not in {self.file, f"{self.file}.scene.json"}:
+            self._replace = None
         imgui.set_next_item_width(-em(25) if not self.saving else -em(14))
         entered, self.file = imgui.input_text("##name", self.file, imgui.InputTextFlags_.enter_returns_true)
         imgui.same_line()
@@ -137,7 +142,10 @@ class FileDialog:
             _changed, self.show_all = imgui.checkbox("All files", self.show_all)
             imgui.same_line()
         with bold(ui):
-            accepted = imgui.button("Save" if self.saving else "Open", (em(6), 0))
+            verb = "Replace" if self._replace is not None else "Save"
+            accepted = imgui.button(f"{verb if self.saving else 'Open'}###accept", (em(6), 0))
+        if self._replace is not None:
+            tooltip(f"{self._replace.name} is there already")
         imgui.same_line()
         if imgui.button("Cancel", (em(6), 0)):
             imgui.close_current_popup()
@@ -146,10 +154,17 @@ class FileDialog:
 
     def _accept(self, ui: Ui) -> None:
         path = (self.folder / self.file).expanduser() if self.file else self.folder
-        imgui.close_current_popup()
         if not self.saving:
+            imgui.close_current_popup()
             ui.session.open(path)
+            return
+        if not self.file:
             return
         if not path.name.endswith(".scene.json"):
             path = path.with_name(path.name + ".scene.json")
+        document = ui.session.document
+        if path.exists() and path != self._replace and document is not None and path != document.saved_to:
+            self._replace = path
+            return
+        imgui.close_current_popup()
         ui.session.save(path)

@@ -161,7 +161,7 @@ def draw_error_bar(ui: Ui, y: float) -> None:
     imgui.begin("##error-bar", None, flags)
     text(icons.ERROR, theme.ERROR)
     imgui.same_line(0, em(0.5))
-    right = imgui.get_window_width() - em(4.2)
+    right = imgui.get_window_width() - imgui.calc_text_size("Dismiss").x - em(2.2)
     imgui.push_text_wrap_pos(right)
     imgui.text_unformatted(message)
     imgui.pop_text_wrap_pos()

@@ -11,7 +11,7 @@ from imgui_bundle import imgui
 from editor import icons, theme
 from editor.document import Document
 from editor.panels.base import Panel
-from editor.panels.inspector_fields import CAMERA, ENVIRONMENT, LIGHT, LIGHT_TYPES, LOOK, SPOT
+from editor.panels.inspector_fields import CAMERA, LIGHT, LIGHT_TYPES, LOOK, SLOW_OF_SKY, SPOT, environment_fields
 from editor.panels.inspector_material import draw_material
 from editor.param_widgets import param_row
 from editor.rotation import euler_from_quaternion, quaternion_from_euler
@@ -29,6 +29,8 @@ class InspectorPanel(Panel):
 
     def __init__(self) -> None:
         #: the angles shown, kept while they still mean the node's rotation: many triples mean the same one
+        #: and values shown but not applied yet, see SLOW_OF_SKY
+        self._pending: dict[tuple[str, str, int], Any] = {}
         self._euler: dict[int, tuple[tuple[float, ...], tuple[float, float, float]]] = {}
 
     def draw(self, ui: Ui) -> None:
@@ -47,11 +49,16 @@ class InspectorPanel(Panel):
             session.set_visible((row,), not visible)
         imgui.same_line(0, em(0.3))
         imgui.align_text_to_frame_padding()
+        more = len(document.selection) - 1
+        imgui.set_next_item_width(-em(5.0) if more else -1)
         with bold(ui):
-            imgui.text_unformatted(session.node_name(row))
-        if len(document.selection) > 1:
+            flags = imgui.InputTextFlags_.auto_select_all
+            _changed, name = imgui.input_text("##name", str(scene.nodes.name[row]), flags)
+        if imgui.is_item_deactivated_after_edit() and name.strip():
+            session.edit("nodes", "name", [row], [name.strip()], label=f"Rename {session.node_name(row)}")
+        if more:
             imgui.same_line()
-            text(f"+ {len(document.selection) - 1} more", theme.DIM)
+            text(f"+ {more} more", theme.DIM)
         imgui.spacing()
         if section(ui, "Transform"):
             self._transform(ui, document, row)
@@ -146,7 +153,7 @@ class InspectorPanel(Panel):
         text("Select a node to see what it is made of", theme.DIM)
         imgui.spacing()
         if section(ui, f"{icons.ENVIRONMENT}  Environment"):
-            self._fields(ui, document, "environment", 0, ENVIRONMENT)
+            self._fields(ui, document, "environment", 0, environment_fields(scene.environment))
         if section(ui, f"{icons.LOOK}  Look of the scene"):
             self._fields(ui, document, "look", 0, LOOK)
         if section(ui, f"{icons.INFO}  Contents"):
@@ -162,13 +169,24 @@ class InspectorPanel(Panel):
                     property_text("Source", str(document.source))
                     property_text("Scene file", str(document.scene_path))
 
+    @staticmethod
+    def _sky(document: Document) -> bool:
+        return bool(document.runtime.scene.environment.kind == "sky")
+
     def _fields(self, ui: Ui, document: Document, table: str, row: int, fields: tuple[Param, ...]) -> None:
         with property_grid(f"{table}{row}") as shown:
             for field in fields if shown else ():
+                key = (table, field.name, row)
+                slow = table == "environment" and field.name in SLOW_OF_SKY and self._sky(document)
                 value = document.tables[table].read(field.name, (row,))[0]
-                changed, new = param_row(field, value, id=f"{table}{row}", degrees=field.unit == "rad")
-                if changed:
-                    ui.session.edit(table, field.name, [row], [new], gesture=(table, field.name, row))
+                shown = self._pending.get(key, value) if slow else value
+                changed, new = param_row(field, shown, id=f"{table}{row}", degrees=field.unit == "rad")
+                if changed and slow:
+                    self._pending[key] = new
+                elif changed:
+                    ui.session.edit(table, field.name, [row], [new], gesture=key)
+                if key in self._pending and not imgui.is_mouse_down(imgui.MouseButton_.left):
+                    ui.session.edit(table, field.name, [row], [self._pending.pop(key)])
         imgui.spacing()
 
 

@@ -31,7 +31,7 @@ def draw_material(ui: Ui, document: Document, material: int) -> None:
                     "materials", param.name, [material], [value], gesture=("materials", param.name, material),
                     label=f"{pretty(param.name)} of {name}",
                 )  # fmt: skip
-    _textures(record)
+    _textures(ui, material, record)
     with property_grid("about") as shown:
         if shown:
             property_text("Effect", record.effect.name)
@@ -44,7 +44,7 @@ def draw_material(ui: Ui, document: Document, material: int) -> None:
     imgui.spacing()
 
 
-def _textures(record: Any) -> None:
+def _textures(ui: Ui, material: int, record: Any) -> None:
     """Each slot of the effect: the file in it, or that it is empty."""
     with property_grid("textures") as shown:
         for slot in record.effect.textures if shown else ():
@@ -57,9 +57,23 @@ def _textures(record: Any) -> None:
                 text(f"{icons.WARNING} missing", theme.WARNING)
                 tooltip("The source names a texture that is not there; it is drawn in magenta")
             else:
-                text(icons.PICTURE, theme.INFO)
+                _thumbnail(ui, material, slot.name)
                 imgui.same_line(0, em(0.4))
                 fitted_text(Path(ref.path).name, more=_describe(ref))
+
+
+def _thumbnail(ui: Ui, material: int, slot: str) -> None:
+    """A small picture of the texture, large while the pointer is on it; an icon where there can be none."""
+    native = ui.session.thumbnail(material, slot)
+    if not native:
+        text(icons.PICTURE, theme.INFO)
+        return
+    size = imgui.get_frame_height()
+    imgui.image(imgui.ImTextureRef(native), (size, size))
+    if imgui.is_item_hovered():
+        imgui.begin_tooltip()
+        imgui.image(imgui.ImTextureRef(native), (em(12), em(12)))
+        imgui.end_tooltip()
 
 
 def _describe(ref: Any) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import ClassVar
 
 from imgui_bundle import imgui
@@ -13,7 +14,7 @@ from editor.panels import timeline, viewport_strip
 from editor.panels.base import Panel
 from editor.panels.timings import short_count
 from editor.ui import Ui
-from editor.widgets import em, empty_state
+from editor.widgets import em, fitted, text, tooltip
 
 #: a press that moves less than this, in em, is a click
 CLICK_SLOP = 0.25
@@ -40,7 +41,7 @@ class ViewportPanel(Panel):
         session = ui.session
         if session.document is None:
             self.motion, self.flying = "", False
-            empty_state(icons.APP, "Drop a model, a scene or a folder here", "or open one with Ctrl+O")
+            _start_page(ui)
             return
         viewport_strip.draw(ui)
         imgui.set_cursor_pos((0, imgui.get_cursor_pos_y() + em(0.1)))
@@ -168,6 +169,34 @@ class ViewportPanel(Panel):
             session.camera = camera_controls.orbit(session.camera, side * em(1.5), wheel * em(1.5))
         elif wheel:
             session.camera = camera_controls.zoom(session.camera, WHEEL_STEP**wheel, 2 * u - 1, 1 - 2 * v, aspect)
+
+
+def _start_page(ui: Ui) -> None:
+    """What stands here without a document: how to get one."""
+    size = imgui.get_window_size()
+    width = min(em(24), size.x - em(2))
+    imgui.set_cursor_pos(((size.x - width) * 0.5, size.y * 0.3))
+    imgui.begin_group()
+    imgui.push_font(ui.fonts.bold, theme.FONT_SIZE * 1.7)
+    text(icons.APP, theme.ACCENT)
+    imgui.same_line(0, em(0.4))
+    imgui.text_unformatted("Lucarna")
+    imgui.pop_font()
+    text("Drop a model, a scene or a folder on the window,", theme.DIM)
+    text("or open one:", theme.DIM)
+    imgui.spacing()
+    if imgui.button(f"{icons.FOLDER_OPEN}  Open…", (em(9), 0)):
+        ui.operations.run("file.open", ui.session)
+    imgui.same_line()
+    text("Ctrl+O", theme.FAINT)
+    if ui.session.preferences.recent:
+        imgui.spacing()
+        text("Recent", theme.FAINT)
+    for i, recent in enumerate(ui.session.preferences.recent[:6]):
+        if imgui.selectable(f"{fitted(Path(recent).name, width)}###recent{i}", False, 0, (width, 0))[0]:
+            ui.session.open(Path(recent))
+        tooltip(recent)
+    imgui.end_group()
 
 
 def _modifiers() -> frozenset[str]:

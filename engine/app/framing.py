@@ -8,6 +8,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.app.posed import posed_positions
 from engine.math.transform import look_at
 from engine.render.camera import Camera
 from engine.resources.residency import Residency
@@ -81,13 +82,9 @@ def scene_points(scene: Scene, residency: Residency) -> NDArray[np.float64]:
     if sum(mesh.vertex_count for mesh in meshes) > POINT_LIMIT:
         low, high = scene_box(scene, residency)
         return np.array(list(itertools.product(*zip(low, high, strict=True))), np.float64)
-    pairs = dict.fromkeys(zip(table.node[rows].tolist(), (id(mesh) for mesh in meshes), strict=True))
-    by_id = {id(mesh): mesh for mesh in meshes}
-    worlds = {node: scene.nodes.world[node] for node, _ in pairs}
-    parts = [
-        np.asarray(by_id[mesh].streams["position"], np.float64) @ worlds[node][:, :3].T + worlds[node][:, 3]
-        for node, mesh in pairs
-    ]
+    # a mesh is looked at once per node, however many submeshes it draws there
+    once = dict(zip(zip(table.node[rows].tolist(), table.mesh[rows].tolist(), strict=True), rows.tolist(), strict=True))
+    parts = [posed_positions(scene, residency, row) for row in once.values()]
     return np.concatenate(parts) if parts else np.zeros((0, 3))
 
 
@@ -105,4 +102,7 @@ def scene_box(scene: Scene, residency: Residency) -> tuple[NDArray[np.float64], 
     # Arvo 1990, "Transforming Axis-Aligned Bounding Boxes": centre by the matrix, extent by its absolute values
     center = np.einsum("nij,nj->ni", world[:, :, :3], (low + high) / 2) + world[:, :, 3]
     extent = np.einsum("nij,nj->ni", np.abs(world[:, :, :3]), (high - low) / 2)
+    posed = scene.skins.of_nodes(table.node[rows]) >= 0
+    center[posed] = table.world_center[rows[posed]]
+    extent[posed] = table.world_radius[rows[posed], None]
     return (center - extent).min(axis=0), (center + extent).max(axis=0)

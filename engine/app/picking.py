@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.app.posed import posed_positions
 from engine.render.view import View
 from engine.resources.residency import Residency
 from engine.scene.scene import Scene
@@ -52,27 +53,21 @@ def _nearest_triangle(
     Moller and Trumbore 1997, "Fast, Minimum Storage Ray/Triangle Intersection", both faces.
     """
     table = scene.instances
-    world = scene.nodes.world_matrix(int(table.node[row]))
-    if abs(np.linalg.det(world[:3, :3])) < 1e-300:
-        return np.inf
-    local_from_world = np.linalg.inv(world)
-    o = local_from_world[:3, :3] @ origin + local_from_world[:3, 3]
-    d = local_from_world[:3, :3] @ direction  # not unit: t stays in world metres
     mesh = residency.meshes[int(table.mesh[row])].asset
     part = mesh.submeshes[int(table.submesh[row])]
     if part.topology != "triangles":
         return np.inf
     indices = mesh.indices[part.first_index : part.first_index + part.index_count].reshape(-1, 3)
-    corners = np.asarray(mesh.streams["position"], np.float64)[indices]
+    corners = posed_positions(scene, residency, row)[indices]
     edge1, edge2 = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    p = np.cross(d, edge2)
+    p = np.cross(direction, edge2)
     det = np.einsum("ij,ij->i", edge1, p)
     with np.errstate(divide="ignore", invalid="ignore"):
         inverse = 1.0 / det
-        s = o - corners[:, 0]
+        s = origin - corners[:, 0]
         u = np.einsum("ij,ij->i", s, p) * inverse
         q = np.cross(s, edge1)
-        v = (q @ d) * inverse
+        v = (q @ direction) * inverse
         t = np.einsum("ij,ij->i", edge2, q) * inverse
         hit = (det != 0) & (u >= 0) & (v >= 0) & (u + v <= 1) & (t > 0)
     return float(t[hit].min()) if hit.any() else np.inf

@@ -25,8 +25,8 @@ from engine.core.paths import template_dir
 
 PROJECT_FILE = "project.toml"
 KEYS = ("name", "start", "engine")
-#: Left behind when a template is copied: what a run leaves in a folder.
-_IGNORED = shutil.ignore_patterns(".cache", "out", "__pycache__", "*.pyc", "*.tmp")
+#: Left behind when a template is copied: what a run leaves in a folder, and the picture for our own front page.
+_IGNORED = shutil.ignore_patterns(".cache", "out", "preview.png", "__pycache__", "*.pyc", "*.tmp")
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.animation.reach import joint_reach
 from engine.animation.sample import ClipPlayer
 from engine.app.framing import AZIMUTH, ELEVATION, frame_points, scene_box, scene_points
 from engine.app.picking import pick_node
@@ -111,8 +112,31 @@ class Runtime:
                 name = node.mesh.materials[slot] if 0 <= slot < len(node.mesh.materials) else ""
                 rows.append((int(self.node_rows[i]), mesh, s, ids[name] if name else self.residency.default_material))
         self.add_instances(rows)
+        self._add_skins(asset, files)
         for finding in self.residency.findings:
             self.findings.items.append(finding)
+
+    def _add_skins(self, asset: SceneAsset, files: dict[str, list[int]]) -> None:
+        reach: dict[int, NDArray[np.float64]] = {}
+        for i, node in enumerate(asset.nodes):
+            if node.mesh is None or not node.joints or not 0 <= node.mesh.index < len(files[node.mesh.file]):
+                continue
+            mesh_id = files[node.mesh.file][node.mesh.index]
+            mesh = self.residency.meshes[mesh_id].asset
+            if mesh.skeleton is None or len(mesh.skeleton.names) != len(node.joints):
+                bones = 0 if mesh.skeleton is None else len(mesh.skeleton.names)
+                self.findings.error(
+                    "skin.joints", f"{len(node.joints)} joints for a mesh with {bones} bones", f"nodes[{i}].joints",
+                    "it stays rigid; convert the source again",
+                )  # fmt: skip
+                continue
+            if mesh_id not in reach:
+                names = [n for n in ("joints", "joints1") if n in mesh.streams]
+                joints = np.concatenate([mesh.streams[n] for n in names], axis=1)
+                weights = np.concatenate([mesh.streams[n.replace("joints", "weights")] for n in names], axis=1)
+                reach[mesh_id] = joint_reach(mesh.streams["position"], joints, weights, mesh.skeleton.inverse_bind)
+            rows = self.node_rows[np.array(node.joints)]
+            self.scene.skins.add(int(self.node_rows[i]), rows, mesh.skeleton.inverse_bind, reach[mesh_id])
 
     def add_instances(self, rows: list[tuple[int, int, int, int]]) -> NDArray[np.int64]:
         """Add drawables (node row, mesh id, submesh, material id); returns their instance rows."""

@@ -5,6 +5,10 @@
     texture.py  TextureAsset, FORMATS             dds.py          .dds     (DX10 header, mips, cubes, arrays)
     material.py MaterialAsset, TextureRef         material_toml.py *.material.toml
     scene.py    SceneAsset, NodeAsset …           scene_json.py   *.scene.json (one node a line)
+    environment_dds.py  baked environments: a prefiltered cube with SH9 in its extras
+
+    mapping.py (mapped files), container.py (safetensors), dds_legacy.py (old pixel formats), records.py (dataclasses
+    from and to JSON) serve the readers.
 
     source -> importers -> [these dataclasses] -> write -> file -> read (checked, mapped) -> resources -> GPU
 

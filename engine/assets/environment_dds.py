@@ -35,12 +35,12 @@ def read_environment(path: Path) -> tuple[TextureAsset, NDArray[np.float32]]:
             "is a texture, but no baked environment", where=path, hint="bake it first, from .hdr, .exr or a cube"
         )
     try:
-        sh9 = np.array(texture.extras.get("sh9"), np.float32)
+        wide = np.array(texture.extras.get("sh9"), np.float64)
     except (TypeError, ValueError, OverflowError) as error:
         raise FormatError(f"is not nine colours: {error}", where=place) from error
-    if sh9.shape != (9, 3) or not np.isfinite(sh9).all():
+    if wide.shape != (9, 3) or not (np.abs(wide) < 3e38).all():
         raise FormatError("is not nine finite colours", where=place)
-    return texture, sh9
+    return texture, wide.astype(np.float32)
 
 
 def write_environment(path: Path, texture: TextureAsset, sh9: NDArray[np.float32]) -> None:

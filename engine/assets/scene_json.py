@@ -22,6 +22,7 @@ from engine.assets.records import (
     Record,
     boolean,
     choice,
+    did_you_mean,
     integer,
     items,
     mapping,
@@ -160,6 +161,17 @@ def parse_scene(raw: bytes | str, file: str, findings: Findings | None = None) -
     for index, node in enumerate(scene.nodes):
         _normalise(index, node, findings)
     return scene
+
+
+def read_surroundings(data: Any) -> tuple[EnvironmentAsset, LookAsset]:
+    """Environment and look from `{"environment": {…}, "look": {…}}`, both optional, as a scene file has them.
+
+    For sources that bring their look along. Raises Bad."""
+    for key in mapping(data):
+        if key not in ("environment", "look"):
+            raise Bad("unknown key", key, did_you_mean(key, ("environment", "look")))
+    scene = _SCENE.read({"name": "", **data})
+    return scene.environment, scene.look
 
 
 def write_scene(path: Path, scene: SceneAsset) -> None:

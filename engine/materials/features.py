@@ -28,12 +28,15 @@ class FeatureSet(frozenset[str]):
         return self
 
 
-def resolve_features(effect: Effect, material: MaterialAsset, mesh_layout: Sequence[str]) -> FeatureSet:
+def resolve_features(
+    effect: Effect, material: MaterialAsset, mesh_layout: Sequence[str], also: Mapping[str, str] | None = None
+) -> FeatureSet:
     """The features of the variant that draws `material` on a mesh with the streams `mesh_layout`.
 
     On are: what the material asks for; what its textures imply; `vertex_color` when the mesh has colours; `alpha_test`
     in the queue of that name; `uv1` and `uv_transform` when a used texture needs them. A feature whose vertex streams
-    the mesh lacks is dropped. Raises InputError with did-you-mean for features and textures that the effect has not.
+    the mesh lacks is dropped. `also`: feature -> reason, taken where the effect has it.
+    Raises InputError with did-you-mean for features and textures that the effect has not.
     """
     _check_names(effect, material)
     wanted = dict.fromkeys(material.features, "the material asks for it")
@@ -44,6 +47,9 @@ def resolve_features(effect: Effect, material: MaterialAsset, mesh_layout: Seque
         wanted.setdefault("vertex_color", "the mesh has vertex colours")
     if "alpha_test" in effect.features and material.queue == "alpha_test":
         wanted.setdefault("alpha_test", "the material's queue is alpha_test")
+    for name, reason in (also or {}).items():
+        if name in effect.features:
+            wanted.setdefault(name, reason)
     dropped: dict[str, str] = {}
     for name in list(wanted):
         missing = [s for s in effect.features[name].needs if s not in mesh_layout] if name in effect.features else []

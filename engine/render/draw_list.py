@@ -32,6 +32,9 @@ COMMAND_DTYPE = np.dtype(
     ]
 )  # fmt: skip
 
+#: why a skinned instance's variant has that feature
+SKINNED = {"skinning": "the mesh hangs on a skeleton"}
+
 #: queue -> order in the frame
 QUEUE_ORDER = {"background": 0, "opaque": 1, "alpha_test": 2, "transparent": 3, "overlay": 4}
 
@@ -78,7 +81,7 @@ def _empty_template() -> _Template:
 
 
 class DrawList:
-    """`objects`: uvec4 per instance row (node, material row, pick, 0). `ids`: object ids in draw order.
+    """`objects`: uvec4 per instance row (node, material row, pick, first joint). `ids`: object ids in draw order.
     `opaque`, `blended`: batches of this frame; their commands lie in `commands`."""
 
     def __init__(self, device: Device, residency: Residency) -> None:
@@ -119,16 +122,17 @@ class DrawList:
             self._solid, self._glass = _empty_template(), _empty_template()
             self._solid_batches = []
             return True
-        mirrored = self._mirrored[np.maximum(table.node, 0)]
+        mirrored = self._mirrored[_placing_nodes(scene)]
+        skinned = scene.skins.of_nodes(table.node) >= 0
         combos, inverse = np.unique(
-            np.stack([table.mesh, table.submesh, table.material, mirrored.astype(np.int32)], axis=1),
+            np.stack([table.mesh, table.submesh, table.material, mirrored + 2 * skinned], axis=1),
             axis=0, return_inverse=True,
         )  # fmt: skip
         inverse = inverse.reshape(-1)
         states: list[DrawState] = []
         shapes: list[tuple[int, int, int]] = []
-        for mesh, submesh, material, flipped in combos.tolist():
-            states.append(self._state(mesh, submesh, material, bool(flipped)))
+        for mesh, submesh, material, flags in combos.tolist():
+            states.append(self._state(mesh, submesh, material, bool(flags & 1), bool(flags & 2)))
             info = self._residency.meshes[mesh]
             part = info.asset.submeshes[submesh]
             shapes.append((part.index_count, info.place.first_index + part.first_index, info.place.base_vertex))
@@ -157,10 +161,10 @@ class DrawList:
         self._mirrored[rows] = determinant < 0.0
         return not known or bool((self._mirrored != before).any())
 
-    def _state(self, mesh: int, submesh: int, material: int, mirrored: bool) -> DrawState:
+    def _state(self, mesh: int, submesh: int, material: int, mirrored: bool, skinned: bool) -> DrawState:
         record = self._residency.material(material)
         info = self._residency.meshes[mesh]
-        features = resolve_features(record.effect, record.asset, info.asset.layout)
+        features = resolve_features(record.effect, record.asset, info.asset.layout, SKINNED if skinned else None)
         double_sided = "double_sided" in features
         return DrawState(
             record.effect.name, features, info.arena, record.group,
@@ -196,6 +200,9 @@ class DrawList:
             data[:, 0] = np.maximum(table.node, 0)
             data[:, 1] = rows_of[np.maximum(table.material, 0)]
             data[:, 2] = table.node
+            skin = scene.skins.of_nodes(table.node)
+            if len(scene.skins):
+                data[:, 3] = scene.skins.first[skin]  # what has no skin does not read it
         self.objects = _fit(self._device, self.objects, data)
 
     # --- frame ---
@@ -266,6 +273,16 @@ class DrawList:
             buffer.release()
 
 
+def _placing_nodes(scene: Scene) -> NDArray[np.int64]:
+    """The node that turns each instance: its own, or for a skinned one its first joint."""
+    table, skins = scene.instances, scene.skins
+    node = np.maximum(table.node, 0).astype(np.int64)
+    skin = skins.of_nodes(table.node)
+    rows = np.flatnonzero(skin >= 0)
+    node[rows] = skins.joint[skins.first[skin[rows]]]
+    return node
+
+
 def _sides(state: DrawState) -> tuple[DrawState, ...]:
     """The states in which a blended surface is drawn, in order."""
     if state.cull != "none":
@@ -311,4 +328,6 @@ def arena_streams(arena: MeshArena, effect: Effect, features: frozenset[str]) ->
         wanted.append("uv1")
     if "vertex_color" in features:
         wanted.append("color")
-    return tuple(wanted)
+    if "skinning" in features:
+        wanted += ["joints", "weights", "joints1", "weights1"]
+    return tuple(name for name in wanted if name in arena.layout)

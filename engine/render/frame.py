@@ -26,6 +26,7 @@ TRANSFORM_BINDING = 0
 OBJECT_BINDING = 1
 MATERIAL_BINDING = 2
 LIGHT_BINDING = 3
+PALETTE_BINDING = 4
 ENVIRONMENT_UNIT = 8
 DFG_UNIT = 9
 INPUT_UNIT = 10
@@ -46,6 +47,7 @@ class RenderFrame:
     view_buffer: Buffer
     transforms: Buffer
     lights: Buffer
+    palettes: Buffer
     point_sampler: Sampler
     look: Mapping[str, Any] = field(default_factory=dict)
     pass_buffers: dict[str, Buffer] = field(default_factory=dict)
@@ -89,6 +91,7 @@ class RenderFrame:
                         OBJECT_BINDING: self.draws.objects,
                         MATERIAL_BINDING: materials.buffer(state.effect),
                         LIGHT_BINDING: self.lights,
+                        PALETTE_BINDING: self.palettes,
                     },
                     textures={
                         **materials.bindings(state.group),

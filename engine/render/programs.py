@@ -22,6 +22,7 @@ SCENE_PRELUDE = (
     + "\nlayout(std430, binding = 0) readonly buffer TransformBlock { vec4 transforms[]; };"
     + "\nlayout(std430, binding = 1) readonly buffer ObjectBlock { uvec4 objects[]; };\n"
     + light_glsl(3)
+    + "layout(std430, binding = 4) readonly buffer PaletteBlock { vec4 palette[]; };\n"
 )
 VIEW_PRELUDE = VIEW_LAYOUT.block_glsl("ViewBlock", 0, "view") + "\n"
 

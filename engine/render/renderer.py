@@ -19,6 +19,7 @@ from engine.render.environments import Environments
 from engine.render.facts import SceneFacts
 from engine.render.frame import Frame, RenderFrame
 from engine.render.light_rows import LightRows
+from engine.render.palettes import PaletteRows
 from engine.render.pass_timer import PassTimer
 from engine.render.paths.forward import forward_passes
 from engine.render.programs import Programs
@@ -47,6 +48,7 @@ class Renderer:
         self._dfg = DfgTable(device)
         self._transforms = TransformRows(device)
         self._lights = LightRows(device)
+        self._palettes = PaletteRows(device)
         self._view_buffer = device.buffer(VIEW_LAYOUT.size, label="view")
         self._pass_buffers: dict[str, Any] = {}
         self._point_sampler = device.sampler(SamplerDesc("clamp", "clamp", "clamp", "nearest", "nearest"))
@@ -66,6 +68,7 @@ class Renderer:
             scene.update()
             origin = origin_near(view.camera.position, view.camera.znear)
             self._transforms.update(scene, origin, self._changed_rows(scene))
+            self._palettes.update(scene, origin)
         with self._timer.stage("visibility"):
             self._visibility(scene, view)
         frame = self._frame(scene, view, origin, hdr)
@@ -80,7 +83,15 @@ class Renderer:
 
     def release(self) -> None:
         self.graph.release()
-        for part in (self.environments, self.draws, self._dfg, self._transforms, self._lights, self._view_buffer):
+        for part in (
+            self.environments,
+            self.draws,
+            self._dfg,
+            self._transforms,
+            self._lights,
+            self._palettes,
+            self._view_buffer,
+        ):
             part.release()
         for buffer in self._pass_buffers.values():
             buffer.release()
@@ -141,7 +152,8 @@ class Renderer:
         return RenderFrame(
             device=self.device, view=view, facts=facts, residency=self.residency, programs=self.programs,
             draws=self.draws, environment=env_map, dfg=self._dfg, view_buffer=self._view_buffer,
-            transforms=self._transforms.buffer, lights=self._lights.buffer, point_sampler=self._point_sampler,
+            transforms=self._transforms.buffer, lights=self._lights.buffer, palettes=self._palettes.buffer,
+            point_sampler=self._point_sampler,
             look={
                 "exposure": scene.look.exposure + settings.exposure if settings.view == "lit" else 0.0,
                 "background": (*environment.background_color, 1.0),

@@ -105,6 +105,13 @@ class MaterialStore:
             for unit, (array, sampler) in enumerate(self._group_list[group])
         }
 
+    def slot_texture(self, material: int, slot: str) -> tuple[Texture, int]:
+        """The array texture that a slot of a material reads, and the layer in it."""
+        record = self.records[material]
+        unit = next(i for i, s in enumerate(record.effect.textures) if s.name == slot)
+        row = self._effects[record.effect.name].table.rows[record.row]
+        return self.bindings(record.group)[unit][0], int(row[f"{slot}_layer"])
+
     def release(self) -> None:
         for rows in self._effects.values():
             if rows.buffer is not None:

@@ -179,6 +179,16 @@ class InstanceTable(Table):
         self._data["bounds_radius"][where] = radius
         self._stale_spheres = True
 
+    def set_world_spheres(self, rows: I8, centers: F8, radii: F8) -> None:
+        """Overrule the world spheres of `rows` (world, metres) until their nodes move: for what bends, as skins do."""
+        relative = centers - self.cull_origin
+        slack = np.abs(relative).sum(axis=1) * CULL_SLACK
+        self._data["world_center"][rows] = centers
+        self._data["world_radius"][rows] = radii * (1.0 + 2.0**-23)
+        self._cull[:3, rows] = relative.T
+        self._cull[3, rows] = radii * (1.0 + 2.0**-23) + slack
+        self.bounds_rev += 1
+
     def update(self) -> None:
         """Bring world spheres and `drawn` up to date with the nodes, which must have been updated first."""
         nodes = self._nodes

@@ -15,6 +15,7 @@ from engine.scene.instances import InstanceTable
 from engine.scene.lights import LightTable
 from engine.scene.node import Node
 from engine.scene.nodes import NodeTable
+from engine.scene.skins import SkinTable
 from engine.scene.table import Rows
 
 F8 = NDArray[np.float64]
@@ -49,6 +50,7 @@ class Scene:
         self.name = name
         self.nodes = NodeTable()
         self.instances = InstanceTable(self.nodes)
+        self.skins = SkinTable(self.nodes, self.instances)
         self.lights = LightTable(self.nodes)
         self.cameras = CameraTable(self.nodes)
         self.environment = EnvironmentAsset()
@@ -86,7 +88,7 @@ class Scene:
     def structure_rev(self) -> int:
         """Rises when a row of any table is added, removed or hung elsewhere, or a material is changed."""
         tables = (self.nodes, self.instances, self.lights, self.cameras)
-        return sum(table.structure_rev for table in tables)
+        return sum(table.structure_rev for table in tables) + self.skins.structure_rev
 
     @property
     def transform_rev(self) -> int:
@@ -97,6 +99,7 @@ class Scene:
         """Bring world transforms, visibility and world spheres up to date; return the node rows whose world changed."""
         changed = self.nodes.update()
         self.instances.update()
+        self.skins.update()
         return changed
 
     def node(self, row: int) -> Node:
@@ -120,6 +123,7 @@ class Scene:
         gone = self.nodes.remove(rows)
         for table in (self.instances, self.lights, self.cameras):
             table.remove_of_nodes(gone)
+        self.skins.remove_of_nodes(gone)
         self.row_of_node[np.isin(self.row_of_node, gone)] = -1
         if self.active_camera in gone:
             self.active_camera = -1

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import difflib
 import importlib
+import io
 import sys
 from collections.abc import Sequence
 from typing import NoReturn
@@ -44,6 +45,10 @@ def _general_help() -> str:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run `lucarna` with `arguments` (the process's own by default); returns the exit code."""
     words = list(sys.argv[1:] if arguments is None else arguments)
+    for stream in (sys.stdout, sys.stderr):
+        # File names need not be valid text; a message about one must not fail for it
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
     try:
         return _run(words)
     except LucarnaError as error:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from engine.core.findings import Findings
+from importers.gltf.uris import storable_text
 
 JsonObject = dict[str, Any]
 
@@ -82,8 +83,7 @@ class Document:
         if not isinstance(value, str):
             self._wrong(_at(path, key), "a string", value)
             return default
-        # JSON may hold half a surrogate pair, which no file can store
-        return value.encode("utf-8", "replace").decode("utf-8")
+        return storable_text(value)
 
     def name(self, owner: JsonObject, path: str, fallback: str) -> str:
         """The object's name, cut to what files can carry; `fallback` where it has none."""

@@ -13,6 +13,7 @@ from typing import Any
 
 from engine.assets.material import MaterialAsset, TextureRef
 from importers.gltf.document import Document, JsonObject
+from importers.gltf.uris import storable_text
 from importers.model import ImportedMaterial, TextureUse
 
 _WRAPS = {10497: "repeat", 33648: "mirror", 33071: "clamp"}
@@ -239,12 +240,12 @@ def _storable(value: Any) -> Any:
 
     Recursion is safe: the container bounds the depth."""
     if isinstance(value, dict):
-        items = {k.encode("utf-8", "replace").decode(): _storable(v) for k, v in value.items()}
+        items = {storable_text(k): _storable(v) for k, v in value.items()}
         return {k: v for k, v in items.items() if v is not None}
     if isinstance(value, list):
         return [v for v in map(_storable, value) if v is not None]
     if isinstance(value, str):
-        return value.encode("utf-8", "replace").decode()
+        return storable_text(value)
     if isinstance(value, float):
         return value if math.isfinite(value) else None
     if isinstance(value, int) and not -(2**63) <= value < 2**63:

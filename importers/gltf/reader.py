@@ -6,6 +6,8 @@ import copy
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from engine.assets.material import MaterialAsset
 from engine.assets.scene import MeshRef, NodeAsset
 from engine.core.errors import FormatError, InputError, Place
@@ -19,7 +21,8 @@ from importers.gltf.materials import normal_map_uv, read_material
 from importers.gltf.meshes import MeshReader, Slot
 from importers.gltf.nodes import PendingMatrix, apply_matrices, node_name, read_node
 from importers.gltf.skins import Skin, read_skin
-from importers.gltf.uris import resolve_uri
+from importers.gltf.surroundings import read_surroundings
+from importers.gltf.uris import resolve_uri, storable_text
 from importers.model import ImportedMaterial, ImportedModel, SourceImage
 from importers.settings import ImportSettings
 
@@ -43,12 +46,18 @@ def load(path: Path, settings: ImportSettings) -> ImportedModel:
     """Read a .gltf or .glb whole. Raises InputError or FormatError where nothing can be had from it; everything less
     is a finding of the model, and the rest is imported."""
     findings = Findings(str(path))
+    # values that are no numbers are looked for wherever they matter; numpy need not warn of them as well
+    with np.errstate(all="ignore"):
+        return _load(path, settings, findings)
+
+
+def _load(path: Path, settings: ImportSettings, findings: Findings) -> ImportedModel:
     container = read_container(path, settings, findings)
     doc = Document(container.root, findings)
     _check_extensions(doc, path)
     buffers = Buffers(container, doc.objects("buffers"), findings)
     accessors = Accessors(doc, buffers, settings.max_decoded_bytes)
-    model = ImportedModel(path.stem, findings)
+    model = ImportedModel(storable_text(path.stem), findings)
     model.materials = [read_material(doc, i) for i in range(len(doc.objects("materials")))]
     model.images = [_image(doc, container, accessors, i) for i in range(len(doc.objects("images")))]
     _Builder(doc, accessors, model).build()
@@ -67,7 +76,7 @@ def dependencies(path: Path, settings: ImportSettings) -> list[tuple[str, Path]]
             uri = entry.get("uri")
             if isinstance(uri, str) and not uri.startswith("data:"):
                 try:
-                    found.append((uri, resolve_uri(uri, container.folder, settings.allow_outside)))
+                    found.append((storable_text(uri), resolve_uri(uri, container.folder, settings.allow_outside)))
                 except InputError:
                     continue
     return found
@@ -151,6 +160,7 @@ class _Builder:
                 model.active_camera = rows[node]
             model.nodes.append(asset)
         apply_matrices(doc, matrices)
+        model.environment, model.look = read_surroundings(doc)
         used = {mesh for mesh, _ in self._meshes}
         for mesh in range(len(doc.objects("meshes"))):
             if mesh not in used:

@@ -36,6 +36,7 @@ def resolve_uri(uri: str, root: Path, allow_outside: bool = False) -> Path:
     Raises InputError where the URI has a scheme, is absolute, or leads out of `root` (by `..`, encoded or not, or
     by a symbolic link), unless `allow_outside`.
     """
+    uri = storable_text(uri)
     if _SCHEME.match(uri) and not re.match(r"^[A-Za-z]:[\\/]", uri):
         raise InputError(
             f"refused: {_shorten(uri)!r} is no file beside the source", hint="only relative and data: URIs are read"
@@ -87,6 +88,11 @@ def similar_name_hint(path: Path) -> str:
     if not near:
         return "put the file there, or export the source again"
     return f"did you mean {next(n for n in names if n.lower() == near[0])!r}?"
+
+
+def storable_text(text: str) -> str:
+    """`text` with halves of surrogate pairs, which JSON allows and UTF-8 does not, replaced by `?`."""
+    return text.encode("utf-8", "replace").decode("utf-8")
 
 
 def _shorten(text: str) -> str:

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from engine.assets.texture import FORMATS
 
 #: input channels and dtype of each encoder
-_INPUT = {"bc1": (4, "u1"), "bc3": (4, "u1"), "bc4": (1, "u1"), "bc5": (2, "u1"), "bc6h": (4, "<f2"), "bc7": (4, "u1")}
+_INPUT = {"bc4": (1, "u1"), "bc5": (2, "u1"), "bc6h": (4, "<f2"), "bc7": (4, "u1")}
 
 #: images below this many texels are not worth a second thread
 _SPLIT_TEXELS = 128 * 128

@@ -67,7 +67,7 @@ def normalised(vectors: Floats) -> Floats:
     length = np.sqrt(x * x + y * y + z * z)
     zero = length <= 1e-6
     length[zero] = 1.0
-    result = vectors / length[..., None]
+    result: Floats = vectors / length[..., None]
     if zero.any():
         result[zero] = (0.0, 0.0, 1.0)
     return result

@@ -15,6 +15,14 @@ layout(location = 4) in vec2 a_uv1;
 #if VERTEX_COLOR
 layout(location = 5) in vec4 a_color;
 #endif
+#if SKINNING
+layout(location = 6) in uvec4 a_joints;
+layout(location = 7) in vec4 a_weights;
+#if HAS_JOINTS1
+layout(location = 8) in uvec4 a_joints1;
+layout(location = 9) in vec4 a_weights1;
+#endif
+#endif
 layout(location = 15) in uint a_object;
 
 invariant gl_Position;
@@ -35,12 +43,33 @@ layout(location = 5) out vec2 v_uv1;
 layout(location = 6) out vec4 v_color;
 #endif
 
+#if SKINNING
+// Linear blend skinning (Magnenat-Thalmann et al. 1988): the rows of the weighted sum of the joints' matrices.
+void add_joint(uint first, uint joint, float weight, inout vec4 r0, inout vec4 r1, inout vec4 r2)
+{
+    uint i = 3u * (first + joint);
+    r0 += weight * palette[i];
+    r1 += weight * palette[i + 1u];
+    r2 += weight * palette[i + 2u];
+}
+#endif
+
 void main()
 {
     uvec4 object = objects[a_object];
+#if SKINNING
+    vec4 r0 = vec4(0.0);
+    vec4 r1 = vec4(0.0);
+    vec4 r2 = vec4(0.0);
+    for (int k = 0; k < 4; ++k) add_joint(object.w, a_joints[k], a_weights[k], r0, r1, r2);
+#if HAS_JOINTS1
+    for (int k = 0; k < 4; ++k) add_joint(object.w, a_joints1[k], a_weights1[k], r0, r1, r2);
+#endif
+#else
     vec4 r0 = transforms[3u * object.x];
     vec4 r1 = transforms[3u * object.x + 1u];
     vec4 r2 = transforms[3u * object.x + 2u];
+#endif
     vec4 p = vec4(a_position, 1.0);
     v_position = vec3(dot(r0, p), dot(r1, p), dot(r2, p));
     gl_Position = view.clip_from_origin * vec4(v_position, 1.0);

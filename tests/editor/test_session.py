@@ -48,7 +48,7 @@ def test_what_cannot_be_opened_leaves_the_document(session: Session, name: str) 
     assert session.document is document
     assert not document.runtime.closed
     assert session.ui.error_bar
-    assert session.failed
+    assert session.failure is not None
     assert session.messages.counts()[Severity.ERROR] == 1
 
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
 
 from engine.core.errors import LucarnaError
+from importers.cli.main import main
 from importers.convert import convert
 from importers.gltf.reader import load
 from importers.settings import ImportSettings
@@ -78,3 +80,30 @@ def test_output_folder_untouched_when_a_target_is_blocked(tmp_path: Path) -> Non
     assert (out / "a.lmesh").read_text() == "old"
     assert sorted(p.name for p in out.iterdir()) == ["a.lmesh", "a.scene.json"]
     assert sorted(p.name for p in tmp_path.iterdir()) == ["a.gltf", "out"]
+
+
+def test_names_that_are_no_text(tmp_path: Path) -> None:
+    """A file name that is no UTF-8, and half a surrogate pair in every name of the JSON."""
+    builder = textured_triangle()
+    builder.root["materials"][0]["name"] = builder.root["meshes"][0]["name"] = builder.root["nodes"][0]["name"] = (
+        "\ud800"
+    )
+    builder.root["images"][0] = {"uri": "\udfff.png"}
+    builder.root["materials"][0]["extensions"] = {"KHR_materials_sheen": {"\ud800": "\udc00", "big": 10**40}}
+    path = tmp_path / os.fsdecode(b"\xff.glb")
+    try:
+        path.write_bytes(builder.glb())
+    except OSError:
+        pytest.skip("the file system takes text names only")
+    result = convert(path, tmp_path / "out", ImportSettings())
+    assert result.scene is not None
+    assert result.scene.is_file()
+    assert main(["convert", str(path), "--out", str(tmp_path / "out2")]) == 1
+
+
+def test_signalling_nan_is_no_warning(tmp_path: Path) -> None:
+    builder = textured_triangle()
+    for view in range(3):
+        at = builder.root["bufferViews"][view]["byteOffset"]
+        builder.binary[at : at + 4] = bytes([1, 0, 0xA0, 0x7F])
+    assert load(builder.write_glb(tmp_path / "a.glb"), ImportSettings()).findings.has_errors

@@ -10,7 +10,7 @@ ROOT = Path(__file__).resolve().parents[3]
 sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "editor" / "support")]
 
 from imgui_bundle import imgui  # noqa: E402  (the path is set above)
-from ui_harness import fresh, main  # noqa: E402
+from ui_harness import fresh, main, settle  # noqa: E402
 
 from editor.app import App  # noqa: E402
 
@@ -234,6 +234,57 @@ def every_panel_draws_every_selection(ctx: Any, app: App) -> None:
     ctx.yield_(3)
 
 
+def a_node_can_be_renamed(ctx: Any, app: App) -> None:
+    document = fresh(ctx, app)
+    ctx.item_click("//###Scene/**/##lid-2")
+    ctx.item_input_value("//###Inspector/##name", "cover")
+    ctx.yield_(2)
+    assert document.runtime.scene.nodes.name[2] == "cover"
+    assert document.history.undo_label == "Rename lid"
+    app.ui.session.undo()
+    assert document.runtime.scene.nodes.name[2] == "lid"
+
+
+def undo_in_a_text_field_is_the_field_s(ctx: Any, app: App) -> None:
+    document = fresh(ctx, app)
+    app.ui.session.set_visible((1,), False)
+    ctx.item_click("//###Scene/##search")
+    ctx.key_chars("x")
+    ctx.key_press(imgui.Key.mod_ctrl | imgui.Key.z)
+    ctx.yield_(2)
+    assert not document.runtime.scene.nodes.visible[1]
+    ctx.item_input_value("//###Scene/##search", "")
+
+
+def the_open_dialog_lists_and_cancels(ctx: Any, app: App) -> None:
+    document = fresh(ctx, app)
+    ctx.key_press(imgui.Key.mod_ctrl | imgui.Key.o)
+    ctx.yield_(3)
+    ctx.item_click("//Open/Cancel")
+    ctx.yield_(2)
+    assert app.ui.session.document is document
+
+
+def layout_comes_back(ctx: Any, app: App) -> None:
+    fresh(ctx, app)
+    windows = {w.label.split("###")[1]: w for w in app.params.docking_params.dockable_windows}
+    windows["Log"].is_visible = False
+    ctx.yield_(3)
+    app.ui.operations.run("view.reset-layout", app.ui.session)
+    ctx.yield_(3)
+    assert windows["Log"].is_visible
+
+
+def without_a_document_every_panel_says_what_to_do(ctx: Any, app: App) -> None:
+    fresh(ctx, app)
+    app.ui.session.close()
+    app.ui.session.preferences.recent = ["/nowhere/thing.glb"]
+    ctx.yield_(3)
+    ctx.item_click("//###Viewport/###recent0")
+    settle(ctx, app)
+    assert app.ui.session.document is not None
+
+
 TESTS = {
     f.__name__: f
     for f in (
@@ -253,6 +304,11 @@ TESTS = {
         a_slow_file_can_be_cancelled,
         unsaved_changes_are_asked_about,
         menu_undo_names_the_edit,
+        a_node_can_be_renamed,
+        undo_in_a_text_field_is_the_field_s,
+        the_open_dialog_lists_and_cancels,
+        layout_comes_back,
+        without_a_document_every_panel_says_what_to_do,
         every_panel_draws_every_selection,
     )
 }

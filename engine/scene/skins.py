@@ -1,0 +1,110 @@
+"""SkinTable: which nodes' meshes hang on which joint nodes, and where their bones are.
+
+All skins lie in one run of arrays, so that every palette of a frame is one matrix product.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from engine.core.errors import InputError
+from engine.math.bounds import largest_scale
+from engine.scene.instances import InstanceTable
+from engine.scene.nodes import NodeTable
+
+F8 = NDArray[np.float64]
+I8 = NDArray[np.int64]
+
+
+class SkinTable:
+    """Skin s hangs on node `node[s]` and owns the joints `first[s]` … `first[s] + count[s]`.
+
+    A skinned mesh is placed by its joints alone; its own node's transform does not count (glTF 2.0, 3.7.3.3).
+    """
+
+    def __init__(self, nodes: NodeTable, instances: InstanceTable) -> None:
+        self._nodes = nodes
+        self._instances = instances
+        #: rises with every skin added or removed
+        self.structure_rev = 0
+        self.node: I8 = np.zeros(0, np.int64)
+        self.first: I8 = np.zeros(0, np.int64)
+        self.count: I8 = np.zeros(0, np.int64)
+        #: node row of every joint of every skin
+        self.joint: I8 = np.zeros(0, np.int64)
+        #: f8[joints,3,4], joint space from mesh space
+        self.inverse_bind: F8 = np.zeros((0, 3, 4))
+        #: f8[joints]: how far from the joint a vertex lies that follows it, in the joint's own space
+        self.reach: F8 = np.zeros(0)
+        self._seen: tuple[int, int, int] = (-1, -1, -1)
+
+    def __len__(self) -> int:
+        return len(self.node)
+
+    def add(self, node: int, joints: ArrayLike, inverse_bind: ArrayLike, reach: ArrayLike) -> int:
+        """Hang the mesh of `node` on the nodes `joints` [k]; inverse_bind [k,4,4], reach [k]. Returns the skin's index.
+
+        Raises InputError for a node that does not exist or lengths that differ.
+        """
+        rows = np.asarray(joints, np.int64).reshape(-1)
+        bind = np.asarray(inverse_bind, np.float64).reshape(-1, 4, 4)[:, :3]
+        far = np.asarray(reach, np.float64).reshape(-1)
+        if not len(rows) == len(bind) == len(far) > 0:
+            raise InputError(f"a skin with {len(rows)} joints, {len(bind)} bind matrices, {len(far)} reaches")
+        self._nodes.select(np.unique(np.append(rows, node)))
+        self.node = np.append(self.node, node)
+        self.first = np.append(self.first, len(self.joint))
+        self.count = np.append(self.count, len(rows))
+        self.joint = np.concatenate([self.joint, rows])
+        self.inverse_bind = np.concatenate([self.inverse_bind, bind])
+        self.reach = np.concatenate([self.reach, far])
+        self.structure_rev += 1
+        return len(self.node) - 1
+
+    def remove_of_nodes(self, gone: ArrayLike) -> None:
+        """Remove the skins that hang on, or hold a joint among, the nodes `gone`."""
+        lost = np.isin(self.joint, gone)
+        keep = ~np.isin(self.node, gone)
+        for s in np.flatnonzero(keep):
+            keep[s] = not lost[self.first[s] : self.first[s] + self.count[s]].any()
+        if keep.all():
+            return
+        joints = np.repeat(keep, self.count)
+        self.joint, self.inverse_bind, self.reach = self.joint[joints], self.inverse_bind[joints], self.reach[joints]
+        self.node, self.count = self.node[keep], self.count[keep]
+        self.first = np.cumsum(self.count) - self.count
+        self.structure_rev += 1
+
+    def of_nodes(self, rows: NDArray[np.integer]) -> I8:
+        """i8[k]: the skin of each of the nodes `rows`, -1 for none."""
+        of_node = np.full(len(self._nodes) + 1, -1, np.int64)
+        of_node[self.node] = np.arange(len(self.node))
+        found: I8 = of_node[rows]
+        return found
+
+    def palette(self, origin: F8) -> NDArray[np.float32]:
+        """f4[joints,3,4]: from mesh space to the world relative to `origin` f8[3], per joint, as of the last update."""
+        world = self._nodes.world[self.joint]
+        out = world[:, :, :3] @ self.inverse_bind
+        out[:, :, 3] += world[:, :, 3] - origin
+        return out.astype(np.float32)
+
+    def update(self) -> None:
+        """Give the skinned instances world spheres that hold their pose. Call after nodes and instances."""
+        seen = (self._nodes.transform_rev, self.structure_rev, self._instances.structure_rev)
+        if seen == self._seen or len(self) == 0:
+            return
+        self._seen = seen
+        world = self._nodes.world[self.joint]
+        place = world[:, :, 3]
+        reach = self.reach * largest_scale(world[:, :, :3])
+        low = np.minimum.reduceat(place - reach[:, None], self.first)
+        high = np.maximum.reduceat(place + reach[:, None], self.first)
+        center = (low + high) / 2
+        off = np.linalg.norm(place - np.repeat(center, self.count, axis=0), axis=1) + reach
+        radius = np.minimum(np.maximum.reduceat(off, self.first), np.linalg.norm(high - low, axis=1) / 2)
+        table = self._instances
+        skin = self.of_nodes(table.node)
+        rows = np.flatnonzero(table.alive & (skin >= 0))
+        table.set_world_spheres(rows, center[skin[rows]], radius[skin[rows]])
