@@ -2,7 +2,9 @@
 
     command.py            `lucarna edit`: arguments -> app
     app.py                hello_imgui window: device, fonts, layout, frame loop        (imgui)
-    panels/ *.py          one panel a file, found by panels.registry                   (imgui)
+    panels/ *.py          one panel a file, listed in panels.registry                  (imgui)
+    dialogs/ *.py         open, save, progress, unsaved changes, palette, cards         (imgui)
+    menus, keys, widgets, param_widgets, overlay, axis_widget, theme, layout            (imgui)
       |  read the session, call operations, propose edits
       v
     session.py            what the window works on: document, camera, settings, log    (no imgui, no GL)

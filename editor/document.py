@@ -14,7 +14,6 @@ from editor.commands.history import History
 from editor.host import Resolved, Runtime, box_corners
 from editor.tables import make_command, tables_of
 
-
 #: parts whose real boxes are looked at one by one; above, their bounding spheres serve
 EXACT_LIMIT = 200
 

@@ -293,13 +293,13 @@ def add_frame(shop: Workshop, root: int) -> None:
     )
     shop.glb.add_node("horizon ring", frame, mesh=mesh, translation=[0, SUN_HEIGHT, 0])
 
-    meridian = ring(0.2475, 0.0052, 0.0105, 112, 0.0012, steps=2, u_repeat=12, v_per_metre=12)
+    meridian = ring(0.2475, 0.0056, 0.0105, 112, 0.0027, steps=4, u_repeat=12, v_per_metre=12)
     upright = shop.part(
         "meridian ring", meridian, "brushed brass", frame,
         translation=[0, SUN_HEIGHT, 0], rotation=about("z", math.pi / 2),
     )  # fmt: skip
     # a slender ecliptic, tilted as the Earth's axis is
-    ecliptic = ring(0.2395, 0.0034, 0.0050, 96, 0.0010, steps=2)
+    ecliptic = ring(0.2395, 0.0036, 0.0046, 96, 0.0017, steps=3)
     band_node = shop.part("ecliptic ring", ecliptic, "polished brass", upright, rotation=about("x", math.radians(66.6)))
     bead = shop.mesh("bead", sphere(0.0042, 14, 8), "gold")
     for i in range(12):
@@ -484,7 +484,7 @@ def add_moon(shop: Workshop, parent: int, earth: Planet) -> None:
 def add_views(shop: Workshop) -> None:
     """Cameras: the whole instrument, and a close look into the planets."""
     views = {
-        "main": ((0.50, 0.53, 1.10), (0.0, 0.306, 0.0), 31.5),
+        "main": ((0.50, 0.53, 1.10), (0.0, 0.311, 0.0), 32.2),
         "close": ((0.17, 0.465, 0.385), (0.012, 0.333, 0.015), 33.0),
     }
     for name, (eye, target, yfov) in views.items():

@@ -1,7 +1,14 @@
 """Error against run time: one small file per experiment, registered by being there. May import all of the engine.
 
-    method x knobs ─> runs, interleaved ─> time (median, IQR, n) ┐
-    ground truth ───> metrics of engine.report ─> error ─────────┴─> work-precision diagram: HTML page and JSON twin
+    <name>.py     EXPERIMENT = Experiment(method, truth, metric, knobs, default, orders, run)     one file each
+        │  harness.registry finds it
+    harness.sweep run(ctx, knobs) -> Trial: work (timed, interleaved with all others) + judge (error against the truth)
+        │
+    engine.report records ─> JSON twin, engine.report.page ─> one HTML page
 
-An experiment names its method, its knobs, its truth, its metrics and the order of convergence it expects.
+    harness/experiment  what a file declares        harness/references  truths, cached by hash and seed
+    harness/context     what a run gets             harness/shader_eval GLSL functions over arrays
+    harness/clock       wall time round a finish, or GPU timestamps
+
+What lies above the engine (opening scenes, baking) comes in through `Context.tools`, which the command line fills.
 """

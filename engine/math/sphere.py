@@ -1,4 +1,4 @@
-"""Directions on the sphere: sampling patterns, warps, cube-map and equirectangular addressing."""
+"""Directions on the sphere: sampling patterns, warps, cube-map addressing."""
 
 from __future__ import annotations
 
@@ -84,22 +84,6 @@ def cube_solid_angles(size: int) -> F8:
     area = np.arctan2(x * y, np.sqrt(x * x + y * y + 1.0))
     result: F8 = area[1:, 1:] - area[1:, :-1] - area[:-1, 1:] + area[:-1, :-1]
     return result
-
-
-def equirect_direction(uv: ArrayLike) -> F8:
-    """Return directions [..., 3] of equirectangular `uv` [..., 2]: v = 0 is +Y, u = 0.5 is +Z, u = 0.75 is +X."""
-    uv = np.asarray(uv, np.float64)
-    phi, theta = (uv[..., 0] - 0.5) * 2.0 * math.pi, uv[..., 1] * math.pi
-    sine = np.sin(theta)
-    return np.stack([sine * np.sin(phi), np.cos(theta), sine * np.cos(phi)], axis=-1)
-
-
-def equirect_uv(direction: ArrayLike) -> F8:
-    """Return `uv` [..., 2] in [0, 1] of directions [..., 3], the inverse of `equirect_direction`."""
-    d = np.asarray(direction, np.float64)
-    u = np.arctan2(d[..., 0], d[..., 2]) / (2.0 * math.pi) + 0.5
-    v = np.arctan2(np.hypot(d[..., 0], d[..., 2]), d[..., 1]) / math.pi
-    return np.stack([u, v], axis=-1)
 
 
 def _ring(z: F8, phi: F8) -> F8:

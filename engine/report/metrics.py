@@ -47,12 +47,27 @@ def psnr(image: ArrayLike, reference: ArrayLike, peak: float | None = None) -> f
 
 def mean_angle(a: ArrayLike, b: ArrayLike) -> float:
     """Return the mean angle (radians) between vectors `a` and `b` [..., 3] of any length; a zero vector counts pi."""
-    a, b = np.asarray(a, np.float64), np.asarray(b, np.float64)
-    if a.shape != b.shape or a.size == 0:
-        raise InputError(f"cannot compare directions of shapes {a.shape} and {b.shape}")
-    angle = np.arctan2(np.linalg.norm(np.cross(a, b), axis=-1), np.sum(a * b, axis=-1))
-    known = np.any(a != 0.0, axis=-1) & np.any(b != 0.0, axis=-1) & np.isfinite(angle)
-    return float(np.mean(np.where(known, angle, math.pi)))
+    return float(np.mean(_angles(a, b)))
+
+
+def max_angle(a: ArrayLike, b: ArrayLike) -> float:
+    """Return the greatest angle (radians) between vectors `a` and `b` [..., 3] of any length; a zero vector counts pi."""
+    return float(np.max(_angles(a, b)))
+
+
+def relative_error(values: ArrayLike, reference: ArrayLike, quantile: float = 1.0) -> float:
+    """Return the `quantile` (1 = the greatest) of |x - r| / |r|; where r = 0, 0 for an equal value, else infinite."""
+    difference, r = _difference(values, reference), np.abs(np.asarray(reference, np.float64))
+    zero = r == 0.0
+    ratio = difference / np.where(zero, 1.0, r)
+    ratio = np.where(zero & (difference > 0.0), math.inf, ratio)
+    return float(np.quantile(ratio, quantile, method="lower"))
+
+
+def energy_deviation(energy: ArrayLike, reference: ArrayLike = 1.0) -> float:
+    """Return max |E - E_ref|: how much light is lost or made; in a furnace the reference is 1."""
+    e = np.asarray(energy, np.float64)
+    return max_error(e, np.broadcast_to(np.asarray(reference, np.float64), e.shape))
 
 
 def count_nonfinite(image: ArrayLike) -> int:
@@ -70,6 +85,15 @@ def is_blank(image: ArrayLike, tolerance: float = 0.0) -> bool:
     low = np.where(finite, v, math.inf).min(axis=0)
     high = np.where(finite, v, -math.inf).max(axis=0)
     return bool(np.all((high <= low) | (high - np.where(np.isfinite(low), low, 0.0) <= tolerance)))
+
+
+def _angles(a: ArrayLike, b: ArrayLike) -> F8:
+    a, b = np.asarray(a, np.float64), np.asarray(b, np.float64)
+    if a.shape != b.shape or a.size == 0:
+        raise InputError(f"cannot compare directions of shapes {a.shape} and {b.shape}")
+    angle = np.arctan2(np.linalg.norm(np.cross(a, b), axis=-1), np.sum(a * b, axis=-1))
+    known = np.any(a != 0.0, axis=-1) & np.any(b != 0.0, axis=-1) & np.isfinite(angle)
+    return np.where(known, angle, math.pi)
 
 
 def _difference(image: ArrayLike, reference: ArrayLike) -> F8:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import shlex
 from pathlib import Path
 
 
@@ -20,8 +21,8 @@ def run(args: argparse.Namespace) -> int:
     if args.json:
         print(json.dumps({"name": project.name, "root": str(project.root), "start": str(project.start)}))
         return 0
-    start = project.start.relative_to(project.root).as_posix()
+    name = shlex.quote(str(args.directory))
     print(f"made the project {project.name!r} in {project.root}")
-    print(f"  open it:   lucarna edit {args.directory}")
-    print(f"  render it: lucarna render {args.directory / start} --out {project.start.stem}.png")
+    print(f"  open it:   lucarna edit {name}")
+    print(f"  render it: lucarna render {name} --out {project.start.stem}.png")
     return 0

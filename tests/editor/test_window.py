@@ -81,6 +81,12 @@ def test_saving_writes_scene_and_material_in_place(seen: dict[str, Any]) -> None
     assert read_material(seen["folder"] / "boxes.grey.material.toml").params["metallic"] == 0.0
 
 
+def test_a_dropped_file_opens(seen: dict[str, Any]) -> None:
+    if not seen["can_drop"]:
+        pytest.skip("the window library takes no drops")
+    assert seen["dropped"]
+
+
 def test_the_window_shows_all_panels(seen: dict[str, Any]) -> None:
     picture = load_png(seen["folder"] / "window.png")
     height, width = picture.shape[:2]

@@ -62,14 +62,6 @@ def test_solid_angles_sum_to_the_sphere() -> None:
     assert 6 * sphere.cube_solid_angles(7).sum() == pytest.approx(4 * math.pi, rel=1e-12)
 
 
-def test_equirect_known_and_inverse() -> None:
-    assert np.allclose(sphere.equirect_direction([0.5, 0.5]), [0, 0, 1])
-    assert np.allclose(sphere.equirect_direction([0.75, 0.5]), [1, 0, 0], atol=1e-15)
-    assert np.allclose(sphere.equirect_direction([0.3, 0.0]), [0, 1, 0], atol=1e-15)
-    d = sphere.fibonacci(500)
-    assert np.allclose(sphere.equirect_direction(sphere.equirect_uv(d)), d, atol=1e-12)
-
-
 def test_hammersley_first_points() -> None:
     assert np.array_equal(sphere.hammersley(4), [[0.125, 0.0], [0.375, 0.5], [0.625, 0.25], [0.875, 0.75]])
 

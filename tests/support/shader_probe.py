@@ -24,8 +24,8 @@ class ShaderProbe:
     """`probe(code, "lib/brdf.glsl", x=…, n=…)` runs `code` once per row of the inputs and returns what it assigns to
     `result` (a vec4): f4[n,4].
 
-    Inputs are f4[n] or f4[n,2..4], or one value for all; inside the code each is a variable of its own name. `shaders`:
-    the folder whose files are included. `storage`, `textures`: further bindings that the included files want.
+    Inputs are f4[n] or f4[n,2..4], or one value (one row) for all; in the code each is a variable of its own name.
+    `shaders`: the folder whose files are included. `storage`, `textures`: further bindings that these want.
     """
 
     def __init__(self, device: Device, folder: Path, shaders: Path | None = None) -> None:
@@ -37,14 +37,13 @@ class ShaderProbe:
         self, code: str, *includes: str, storage: Mapping[int, Any] | None = None,
         textures: Mapping[int, Any] | None = None, **inputs: ArrayLike,
     ) -> NDArray[np.float32]:  # fmt: skip
-        arrays = {name: np.asarray(value, np.float32) for name, value in inputs.items()}
-        count = max((len(a) for a in arrays.values() if a.ndim and not _is_constant(a)), default=1)
+        arrays = {name: _columns(values) for name, values in inputs.items()}
+        count = max((len(a) for a in arrays.values()), default=1)
         data = np.zeros((count, max(len(arrays), 1), 4), np.float32)
         lines = []
         for slot, (name, array) in enumerate(arrays.items()):
-            columns = array if array.ndim == 2 else array.reshape(1, -1) if _is_constant(array) else array.reshape(-1, 1)
-            width = columns.shape[1]
-            data[:, slot, :width] = columns
+            width = array.shape[1]
+            data[:, slot, :width] = array
             lines.append(f"    {TYPES[width]} {name} = given[i * {data.shape[1]}u + {slot}u].{SWIZZLES[width]};")
         text = "\n".join(
             [
@@ -78,6 +77,6 @@ class ShaderProbe:
         return result
 
 
-def _is_constant(array: NDArray[np.float32]) -> bool:
-    """A lone number, or a vector of 2 to 4: one value for all rows. (A column of 2 to 4 numbers is given as [n,1].)"""
-    return array.ndim == 0 or (array.ndim == 1 and len(array) <= 4)
+def _columns(values: ArrayLike) -> NDArray[np.float32]:
+    array = np.asarray(values, np.float32)
+    return array if array.ndim == 2 else array.reshape(-1, 1)

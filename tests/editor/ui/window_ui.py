@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import ctypes
 import json
+import os
 import sys
 import traceback
 from pathlib import Path
@@ -90,6 +92,15 @@ def run(folder: Path) -> dict[str, Any]:
         ctx.item_drag_with_delta("//###Inspector/**/metallic/##value", (120, 0))
         seen["saved"] = session.save()
         seen["dirty"] = document.dirty
+
+        seen["can_drop"] = app._drop is not None
+        if app._drop is not None:  # as the window library calls it, on the file's name
+            app._drop(0, 1, (ctypes.c_char_p * 1)(os.fsencode(scene)))
+            for _ in range(600):
+                if session.job is None and session.document is not document:
+                    break
+                ctx.yield_()
+            seen["dropped"] = session.document is not None and session.document is not document
         ctx.yield_(3)
 
     def guarded(ctx: Any) -> None:

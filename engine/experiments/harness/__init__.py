@@ -1,0 +1,1 @@
+"""What experiments stand on: their declaration, the context they run in, the sweep, truths, and shaders over arrays."""

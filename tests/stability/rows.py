@@ -1,0 +1,138 @@
+"""The catalogue of numeric extremes, row by row: which test guards it, or what it still waits for.
+
+A test names its row with `@covers("brdf.ggx-small-alpha")`; rows guarded by a unit test of their own package name that
+test. `python -m tests.stability` prints the table; test_rows.py fails where a row has neither a test nor a reason.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TypeVar
+
+F = TypeVar("F", bound=Callable[..., object])
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parents[1]
+
+
+@dataclass(slots=True)
+class Row:
+    """`case`: what is extreme. `elsewhere`: tests in other packages (`path::name`). `waits`: why there is none yet."""
+
+    key: str
+    case: str
+    elsewhere: tuple[str, ...] = ()
+    waits: str = ""
+    tests: list[str] = field(default_factory=list)
+
+
+def covers(*keys: str) -> Callable[[F], F]:
+    """Marks a test as the guard of these rows. A misspelt key fails at import."""
+    unknown = [key for key in keys if key not in BY_KEY]
+    assert not unknown, f"no such row: {unknown}"
+    return lambda function: function
+
+
+def scan() -> list[Row]:
+    """All rows with the tests of this folder that cover them, read from the sources without running anything."""
+    rows = {row.key: Row(row.key, row.case, row.elsewhere, row.waits) for row in ROWS}
+    for file in sorted(HERE.glob("test_*.py")):
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            if not isinstance(node, ast.FunctionDef):
+                continue
+            for mark in node.decorator_list:
+                if isinstance(mark, ast.Call) and isinstance(mark.func, ast.Name) and mark.func.id == "covers":
+                    for key in mark.args:
+                        assert isinstance(key, ast.Constant)
+                        rows[str(key.value)].tests.append(f"tests/stability/{file.name}::{node.name}")
+    return list(rows.values())
+
+
+def markdown() -> str:
+    """The table: row, what is extreme, its tests or what it waits for."""
+    lines = ["| row | case | guarded by |", "|---|---|---|"]
+    for row in scan():
+        guards = [f"`{name}`" for name in (*row.tests, *row.elsewhere)]
+        lines.append(f"| {row.key} | {row.case} | {', '.join(guards) or 'waits: ' + row.waits} |")
+    return "\n".join(lines)
+
+
+_SHADOWS = "no shadow pass yet"
+_AO = "no ambient occlusion pass yet"
+_TILES = "no tiled or clustered path yet"
+
+ROWS = (
+    # --- BRDF ---
+    Row("brdf.ggx-small-alpha", "GGX in float32 as alpha goes to 1e-4"),
+    Row("brdf.ggx-least-alpha", "alpha 0, 1e-8, .002, .0079: finite, and falling with alpha at the peak"),
+    Row("brdf.roughness-of-a-file", "roughness 0, -1, not a number, from a file or an editor"),
+    Row("brdf.beckmann", "Beckmann at n.h = 0", waits="no Beckmann term in the shaders"),
+    Row("brdf.blinn-phong", "Blinn-Phong with exponents up to 1e6", waits="no Blinn-Phong term in the shaders"),
+    Row("brdf.grazing", "n.v = n.l = 0 and 1e-8: finite and reciprocal"),
+    Row("brdf.fresnel-range", "v.h below 0 and above 1"),
+    Row("brdf.half-of-opposites", "normalize(0): light straight against the view"),
+    Row("brdf.light-at-distance-0", "a light on the surface; a spot whose cones are equal"),
+    Row("brdf.energy", "white furnace, 1/pi of Lambert", ("tests/render/test_analytic.py::test_lambert_under_a_sun",)),
+    # --- formats, not a number, determinism ---
+    Row("format.one-bad-pixel", "one texel of an input is not a number, infinite, negative, huge or denormal"),
+    Row("format.half-store", "values beyond what a half float holds; rounding of the store"),
+    Row("format.half-sums", "small terms summed in half floats", waits="nothing sums in half floats yet"),
+    Row("format.half-history", "a running mean in half floats", waits="no pass keeps a history yet"),
+    Row("format.no-infinities-in-data", "1/0 as a sentinel, inf - inf"),
+    Row("format.integer-noise", "noise from fract(sin())"),
+    Row("format.table-filter", "a table's error between its texels"),
+    Row("format.light-order", "the order of lights changes the sum by an ulp at most"),
+    # --- depth ---
+    Row(
+        "depth.near-and-far", "near 1e-3, far 1e6: two planes a thousandth apart at 1 to 1e5 m",
+        ("tests/math/test_projection_frustum_bounds.py::test_depth_tells_near_planes_apart_at_any_distance",),
+    ),
+    Row("depth.reversed-float", "the device really gives reversed 32-bit depth"),
+    Row("shadow.splits", "cascade splits of 1e-3 to 1e6 m", waits=_SHADOWS),
+    Row("shadow.acne", "bias from 0 to 89 degrees", waits=_SHADOWS),
+    Row("shadow.shimmer", "cascades crawl with the camera", waits=_SHADOWS),
+    Row("shadow.variance", "variance of a flat depth", waits=_SHADOWS),
+    Row("shadow.exponents", "exponents that overflow", waits=_SHADOWS),
+    # --- transforms and animation ---
+    Row("pose.slerp-small-angle", "1e-7 radians to a half turn", ("tests/math/test_quat.py::test_slerp_is_constant_speed",)),
+    Row("pose.antipodal", "q and -q; a half turn apart", ("tests/math/test_quat.py::test_slerp_half_turn_is_unit",)),
+    Row("pose.bad-quaternion", "length 1e-30 to 1e30, zero, not a number"),
+    Row("pose.blend-weights", "weights that sum to 0, negative ones", waits="clips are not blended yet"),
+    Row(
+        "pose.skin-weights", "sums other than 1, more than 8 influences, none",
+        ("tests/importers/test_topology_skin_quantize.py::test_influences_of_bad_sums_are_counted",
+         "tests/importers/test_topology_skin_quantize.py::test_weights_always_sum_to_one"),
+    ),
+    Row("pose.singular-scale", "scales (1,1,0), (-1,1,1), 1e-9 to 1e9, 1e4 to 1"),
+    Row("pose.bad-bone", "one key that is not a number: everything else is bit-equal"),
+    Row("pose.odd-clips", "0 keys, 1 key, equal keys, t = -1e9, 1e12, not a number"),
+    Row("pose.cubic-spline", "against a float64 Hermite spline", ("tests/animation/test_sample.py::test_every_channel_against_float64",)),
+    Row("pose.far-from-the-origin", "scene and camera moved by 1e6 m"),
+    Row("pose.tiny-and-huge", "scene, camera and lights scaled by 1e-4 and 1e4"),
+    Row(
+        "pose.no-tangents", "triangles without area, no uv, tangents of length 0",
+        ("tests/importers/test_tangents.py::test_degenerate_input_gives_finite_unit_orthogonal_frames",),
+    ),
+    Row("pose.mirrored", "a mirrored scene is the mirrored picture"),
+    # --- light, sizes ---
+    Row("light.empty-scene", "no light, no mesh: exactly the clear colour, nothing drawn"),
+    Row("light.very-many", "thousands of lights at one point equal one that is as bright"),
+    Row("light.bad-values", "negative, not a number, 1e8; radius 0; cones of 0 and 180 degrees"),
+    Row("light.order", "lights and nodes in any order"),
+    Row("light.tile-depth", "depth range of a tile", waits=_TILES),
+    Row("light.tile-edges", "tiles at odd sizes", waits=_TILES),
+    Row("light.path-agreement", "deferred = tiled = forward+", waits="there is one path so far"),
+    Row("light.occlusion", "Alchemy, horizon-based: radius below a pixel, above the screen", waits=_AO),
+    Row("light.layers", "an empty second layer", waits="no deep G-buffer yet"),
+    Row("light.reflection", "camera on, under, along the mirror", waits="no planar reflection yet"),
+    Row("light.refraction", "total internal reflection, posts before the water", waits="no refraction yet"),
+    Row("size.odd", "1x1, 17x31, one pixel wide"),
+    Row("size.resize", "sizes of 1 to 40 pixels in any order"),
+    Row("size.many-vertices", "more than 65535 vertices in a mesh"),
+    Row("size.many-bones", "8192 bones", waits="no skinning on the GPU yet"),
+    Row("size.double-resolution", "twice the resolution, averaged, is the same picture"),
+)  # fmt: skip
+
+BY_KEY = {row.key: row for row in ROWS}
