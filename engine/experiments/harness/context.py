@@ -6,7 +6,7 @@ import zlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from engine.render.view import View
 
 Floats = NDArray[np.float32]
+T = TypeVar("T")
 
 
 class OpenScene(Protocol):
@@ -98,7 +99,7 @@ class Context:
             raise LucarnaError("this needs the importers", hint="run it by `lucarna report`")
         return self.tools
 
-    def once[T](self, name: str, make: Callable[[], T]) -> T:
+    def once(self, name: str, make: Callable[[], T]) -> T:
         """`make()`, kept for the rest of this experiment's run: inputs and truths that its trials share."""
         if name not in self.scratch:
             self.scratch[name] = make()

@@ -29,7 +29,7 @@ TYPES: dict[str, tuple[str, int, int]] = {
 
 LOCAL_SIZE = 64
 MAX_GROUPS = 65535
-_OUT_BINDING = 15 - 8  # eight storage blocks are the least a device has
+_OUT_BINDING = 7  # eight storage blocks are the least that a device has
 
 
 class Dispatch:
