@@ -146,7 +146,7 @@ def _display_check() -> Check:
 
 
 def _device_checks(open_device: Callable[[], Device]) -> tuple[list[Check], dict[str, Any] | None]:
-    hint = "install or update the graphics driver; it must offer OpenGL 4.3 core"
+    hint = "install or update the graphics driver; it must offer OpenGL 4.5 (4.3 with its extensions)"
     if sys.platform == "darwin":
         hint = "macOS stops at OpenGL 4.1, Lucarna needs 4.3: render elsewhere; convert and inspect work here"
     elif sys.platform.startswith("linux"):

@@ -15,6 +15,10 @@ if TYPE_CHECKING:
     from engine.framegraph.compiled import CompiledGraph
 
 
+#: the reach of a pass whose every output pixel depends on all of its input
+WHOLE_PICTURE = 1 << 30
+
+
 class Pass(ABC):
     """A node of the frame graph.
 
@@ -29,6 +33,9 @@ class Pass(ABC):
 
     name: ClassVar[str] = ""
     Params: ClassVar[type[ParamBlock]] = ParamBlock
+    #: So many pixels from its own place one texel of an input may show in an output; WHOLE_PICTURE: anywhere. Every
+    #: pass says it: the stability tests plant bad texels and hold it to that. None: not said.
+    reach: ClassVar[int | None] = None
 
     def __init__(self, params: ParamBlock | None = None) -> None:
         assert self.name, f"{type(self).__name__} has no name"

@@ -18,12 +18,15 @@ BLOCKS: dict[str, tuple[int, int]] = {
     **FORMATS, "rg11b10f": (1, 4), "rgb10a2": (1, 4), "r32ui": (1, 4), "rg32ui": (1, 8), "d32f": (1, 4),
 }  # fmt: skip
 
-#: format -> (number type, channels) that Texture.read gives; packed formats come unpacked as f4
+#: format -> (number type, channels) that Texture.read gives; packed formats come unpacked as f4, block-compressed ones decoded
 READ_AS: dict[str, tuple[str, int]] = {
     "r8": ("<u1", 1), "rg8": ("<u1", 2), "rgba8": ("<u1", 4), "rgba8-srgb": ("<u1", 4),
     "r16f": ("<f2", 1), "rg16f": ("<f2", 2), "rgba16f": ("<f2", 4),
     "r32f": ("<f4", 1), "rg32f": ("<f4", 2), "rgba32f": ("<f4", 4),
     "rg11b10f": ("<f4", 3), "rgb10a2": ("<f4", 4), "r32ui": ("<u4", 1), "rg32ui": ("<u4", 2), "d32f": ("<f4", 1),
+    # blocks come decoded by the driver
+    "bc1": ("<u1", 4), "bc1-srgb": ("<u1", 4), "bc3": ("<u1", 4), "bc3-srgb": ("<u1", 4), "bc4": ("<u1", 1),
+    "bc5": ("<u1", 2), "bc6h": ("<f2", 4), "bc7": ("<u1", 4), "bc7-srgb": ("<u1", 4),
 }  # fmt: skip
 
 INTEGER = frozenset({"r32ui", "rg32ui"})

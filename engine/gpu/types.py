@@ -93,7 +93,8 @@ class Texture(Protocol):
         """Upload one whole image of that level and layer, rows top to bottom, tightly packed; BCn as blocks."""
 
     def read(self, *, level: int = 0, layer: int = 0) -> NDArray[Any]:
-        """Download one image: [height, width, channels] in the format's own number type (u1, f2, f4, u4)."""
+        """Download one image: [height, width, channels] in the format's own number type (u1, f2, f4, u4);
+        block-compressed formats come decoded."""
 
     @property
     def native(self) -> int:

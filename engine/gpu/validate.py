@@ -123,11 +123,6 @@ def texture_write(desc: TextureDesc, level: int, layer: int, size: int) -> None:
 
 def texture_read(desc: TextureDesc, level: int, layer: int) -> None:
     texture_image(desc, level, layer)
-    if desc.format in formats.COMPRESSED:
-        raise UsageError(
-            f"{named('texture', desc.label)}: {desc.format} cannot be read back",
-            hint="sample it into an uncompressed texture and read that",
-        )
     if desc.samples > 1:
         raise UsageError(f"{named('texture', desc.label)}: multisampled textures cannot be read back")
 

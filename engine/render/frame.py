@@ -94,7 +94,7 @@ class RenderFrame:
                         PALETTE_BINDING: self.palettes,
                     },
                     textures={
-                        **materials.bindings(state.group),
+                        **materials.bindings(state.group, self.view.settings.anisotropy),
                         ENVIRONMENT_UNIT: (self.environment.texture, self.environment.sampler),
                         DFG_UNIT: (self.dfg.texture, self.dfg.sampler),
                     },

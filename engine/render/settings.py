@@ -26,4 +26,5 @@ class RenderSettings(ParamBlock):
     background_blur: float = param(0.0, min=0.0, max=1.0, step=0.01, doc="blur of the background: a roughness")
     view: str = param("lit", choices=DEBUG_VIEWS, doc="debug view of one input of the shading")
     samples: int = param(4, min=1, max=8, doc="anti-aliasing samples a pixel (1, 2, 4, 8; limited by the device)")
+    anisotropy: float = param(8.0, min=1.0, max=16.0, step=1.0, doc="texture sharpness at a grazing angle; 1 = off")
     force_all: bool = param(False, doc="leave nothing out: every pass and every branch runs")

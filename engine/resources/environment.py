@@ -12,6 +12,7 @@ from engine.assets.environment_dds import read_environment
 from engine.assets.texture import TextureAsset
 from engine.core.paths import shaders_dir
 from engine.gpu.types import Device, Sampler, SamplerDesc, Texture, TextureDesc
+from engine.resources.unpack import DECODED_FORMATS, unpacked
 
 #: Y_00, the constant spherical harmonic: a constant c projects to c / Y_00
 Y00 = 0.28209479177387814

@@ -7,7 +7,7 @@ differ only in their rows.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from engine.assets.material import MaterialAsset, TextureRef
@@ -45,14 +45,13 @@ class MaterialStore:
 
     device: Device
     pool: TexturePool
-    anisotropy: float = 8.0
     records: list[MaterialRecord] = field(default_factory=list)
     #: counts every change that can alter a draw's pipeline or group (not mere values)
     structure_rev: int = 0
     _effects: dict[str, _EffectRows] = field(default_factory=dict)
     _groups: dict[GroupKey, int] = field(default_factory=dict)
     _group_list: list[GroupKey] = field(default_factory=list)
-    _samplers: list[Sampler] = field(default_factory=list)
+    _samplers: list[SamplerDesc] = field(default_factory=list)
     _sampler_ids: dict[SamplerDesc, int] = field(default_factory=dict)
 
     def add(self, asset: MaterialAsset, effect: Effect, textures: Mapping[str, PooledTexture], path: str = "") -> int:
@@ -98,12 +97,17 @@ class MaterialStore:
             rows.uploaded_rev = rows.table.rev
         return rows.buffer
 
-    def bindings(self, group: int) -> dict[int, tuple[Texture, Sampler]]:
-        """Texture unit -> (array, sampler) of a texture group."""
-        return {
-            unit: (self.pool.texture(array), self._samplers[sampler])
-            for unit, (array, sampler) in enumerate(self._group_list[group])
-        }
+    def bindings(self, group: int, anisotropy: float = 1.0) -> dict[int, tuple[Texture, Sampler]]:
+        """Texture unit -> (array, sampler) of a texture group. `anisotropy` holds where the author asked for full
+        trilinear filtering; elsewhere it would smooth what is meant to be hard."""
+        most = min(anisotropy, self.device.caps.max_anisotropy)
+        bound: dict[int, tuple[Texture, Sampler]] = {}
+        for unit, (array, sampler) in enumerate(self._group_list[group]):
+            desc = self._samplers[sampler]
+            if most > 1.0 and desc.min_filter == "linear_mip_linear":
+                desc = replace(desc, anisotropy=most)
+            bound[unit] = (self.pool.texture(array), self.device.sampler(desc))
+        return bound
 
     def slot_texture(self, material: int, slot: str) -> tuple[Texture, int]:
         """The array texture that a slot of a material reads, and the layer in it."""
@@ -121,12 +125,8 @@ class MaterialStore:
 
     def _sampler(self, ref: TextureRef | None) -> int:
         ref = ref or TextureRef("")
-        desc = SamplerDesc(
-            ref.wrap_u, ref.wrap_v, "clamp", ref.min_filter, ref.mag_filter,
-            # anisotropy only where the author asked for full trilinear: otherwise it would smooth "nearest" away
-            min(self.anisotropy, self.device.caps.max_anisotropy) if ref.min_filter == "linear_mip_linear" else 1.0,
-        )  # fmt: skip
+        desc = SamplerDesc(ref.wrap_u, ref.wrap_v, "clamp", ref.min_filter, ref.mag_filter)
         if desc not in self._sampler_ids:
             self._sampler_ids[desc] = len(self._samplers)
-            self._samplers.append(self.device.sampler(desc))
+            self._samplers.append(desc)
         return self._sampler_ids[desc]

@@ -83,8 +83,7 @@ def test_textures_read_as_zeros_and_know_what_was_written(null_device: NullDevic
     assert (image.dtype, image.shape, image.any()) == (np.float16, (1, 2, 4), np.False_)
     with pytest.raises(UsageError, match="= 64 bytes, got 8"):
         texture.write(bytes(8))
-    with pytest.raises(UsageError, match="cannot be read back"):
-        null_device.texture(TextureDesc("bc7", 4, 4)).read()
+    assert null_device.texture(TextureDesc("bc7", 4, 4)).read().shape == (4, 4, 4)  # decoded
 
 
 def test_checks_like_the_real_device(null_device: NullDevice) -> None:

@@ -32,7 +32,7 @@ def test_it_is_read() -> None:
     ("wish", "words"),
     [
         ({"lock": {}}, "did you mean 'look'"),
-        ({"look": {"tone_map": "agks"}}, "did you mean 'agx'"),
+        ({"look": {"tone_map": "agxx"}}, "did you mean 'agx'"),
         ({"look": {"exposure": "bright"}}, "extras.lucarna.look.exposure"),
         ({"environment": {"kind": "image", "path": "../../secret.hdr"}}, "cannot come along"),
         ([1], "extras.lucarna"),

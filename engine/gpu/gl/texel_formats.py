@@ -41,6 +41,12 @@ COMPRESSED: dict[str, int] = {
     "bc6h": 0x8E8F, "bc7": 0x8E8C, "bc7-srgb": 0x8E8D,
 }  # fmt: skip
 
+#: what a compressed format is read back as: the driver decodes it
+DECODED: dict[str, str] = {
+    "bc1": "rgba8", "bc1-srgb": "rgba8-srgb", "bc3": "rgba8", "bc3-srgb": "rgba8-srgb", "bc4": "r8", "bc5": "rg8",
+    "bc6h": "rgba16f", "bc7": "rgba8", "bc7-srgb": "rgba8-srgb",
+}  # fmt: skip
+
 
 def internal_format(name: str) -> int:
     return COMPRESSED[name] if name in COMPRESSED else TEXELS[name].internal

@@ -12,7 +12,7 @@ from engine.gpu import formats, validate
 from engine.gpu.gl import enums as e
 from engine.gpu.gl.memory import address_of
 from engine.gpu.gl.objects import GlObject
-from engine.gpu.gl.texel_formats import COMPRESSED, TEXELS, internal_format
+from engine.gpu.gl.texel_formats import COMPRESSED, DECODED, TEXELS, internal_format
 from engine.gpu.types import TextureDesc
 
 if TYPE_CHECKING:
@@ -91,7 +91,7 @@ class GlTexture(GlObject):
         width, height = formats.image_size(desc, level)
         dtype, shape = formats.read_shape(desc, level)
         out = np.empty(shape, dtype)
-        texel = TEXELS[desc.format]
+        texel = TEXELS[DECODED.get(desc.format, desc.format)]
         device = self._device
         device.ensure_current()
         device.state.tight_pixels()

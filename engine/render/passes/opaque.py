@@ -16,6 +16,7 @@ class OpaquePass(Pass):
     """Always there: it also clears the target to the background colour, so an empty scene is exactly that."""
 
     name: ClassVar[str] = "opaque"
+    reach: ClassVar[int | None] = 0
 
     def declare(self, b: Builder) -> None:
         samples = b.facts.samples

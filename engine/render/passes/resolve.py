@@ -13,6 +13,7 @@ from engine.render.frame import INPUT_UNIT, RenderFrame
 
 class ResolvePass(Pass):
     name: ClassVar[str] = "resolve"
+    reach: ClassVar[int | None] = 0
 
     def needs(self, facts: SceneFacts) -> bool | str:
         return True if facts.hdr_output else "no one asked for linear output"

@@ -18,6 +18,7 @@ BLOCK = layout([Field("blur", "float")], rule="std140")
 
 class SkyPass(Pass):
     name: ClassVar[str] = "sky"
+    reach: ClassVar[int | None] = 0
 
     def needs(self, facts: SceneFacts) -> bool | str:
         return True if facts.background else "the background is a plain colour"

@@ -19,6 +19,7 @@ BLOCK = layout([Field("exposure_scale", "float")], rule="std140")
 
 class ToneMapPass(Pass):
     name: ClassVar[str] = "tone_map"
+    reach: ClassVar[int | None] = 0
 
     def declare(self, b: Builder) -> None:
         b.read("hdr")

@@ -13,6 +13,7 @@ from engine.render.frame import RenderFrame
 
 class TransparentPass(Pass):
     name: ClassVar[str] = "transparent"
+    reach: ClassVar[int | None] = 0
 
     def needs(self, facts: SceneFacts) -> bool | str:
         return True if facts.transparent else "no blended material in the scene"
