@@ -77,7 +77,7 @@ class EngineHost:
         from engine.app.runtime import Runtime as EngineRuntime
         from importers.opening import baker_for
 
-        runtime = EngineRuntime(device)
+        runtime = EngineRuntime(device, interactive=True)
         try:
             runtime.open(scene, baker=baker_for(scene.parent))
         except BaseException:

@@ -237,6 +237,7 @@ class Session:
         settings = self.host.new_settings()
         if self.software and any(p.name == "samples" for p in settings.PARAMS):
             settings.samples = 1  # a software rasteriser pays for each one in full
+            settings.anisotropy = 1.0
         return settings
 
     @property

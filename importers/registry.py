@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from engine.core.errors import FormatError
+from importers.ogre.sniff import is_ogre
 
 if TYPE_CHECKING:
     from importers.model import ImportedModel
@@ -46,7 +47,15 @@ def _is_gltf(head: bytes) -> bool:
     return head.startswith(b"glTF") or (head.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"{") and b'"asset"' in head)
 
 
-IMPORTERS = (Importer("glTF", "importers.gltf.reader", (".gltf", ".glb"), 1, _is_gltf),)
+def _is_fbx(head: bytes) -> bool:
+    return head.startswith(b"Kaydara FBX Binary") or (head.lstrip().startswith(b";") and b"FBX" in head[:200])
+
+
+IMPORTERS = (
+    Importer("glTF", "importers.gltf.reader", (".gltf", ".glb"), 1, _is_gltf),
+    Importer("FBX", "importers.fbx.reader", (".fbx",), 1, _is_fbx),
+    Importer("Ogre", "importers.ogre.reader", (".mesh", ".mesh.xml"), 1, is_ogre),
+)
 
 
 def source_extensions() -> tuple[str, ...]:

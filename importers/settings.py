@@ -32,6 +32,8 @@ class ImportSettings:
     max_decoded_bytes: int = 2 << 30
     max_json_depth: int = 128
     max_image_pixels: int = 16384 * 16384
+    max_worker_seconds: float = 300.0
+    max_worker_bytes: int = 4 << 30
 
     def __post_init__(self) -> None:
         if self.preset not in PRESETS:

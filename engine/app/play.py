@@ -109,7 +109,7 @@ def play(open_scene: Any, *, size: tuple[int, int] = (1280, 720), title: str = "
             f"cannot open a window: {error}", hint="it needs a display and OpenGL 4.5; see `lucarna doctor`"
         ) from error
     device = open_device("gl", attach=True)
-    runtime = Runtime(device, profile=False)
+    runtime = Runtime(device, profile=False, interactive=True)
     shown = 0
     try:
         open_scene(runtime)

@@ -31,16 +31,17 @@ from engine.scene.scene import Scene
 class Runtime:
     """`scene`: the tables; `asset`: what was read; `clips`: its animation; `findings`: what went wrong on the way.
 
-    `node_rows[i]` is the scene row of the asset's node i.
+    `node_rows[i]` is the scene row of the asset's node i. `interactive`: it will draw many frames, not one.
     """
 
-    def __init__(self, device: Device, *, profile: bool = True) -> None:
+    def __init__(self, device: Device, *, profile: bool = True, interactive: bool = False) -> None:
         self.device = device
+        self._interactive = interactive
         self._profile = profile
         self._reset()
 
     def _reset(self) -> None:
-        self.residency = Residency(self.device)
+        self.residency = Residency(self.device, interactive=self._interactive)
         self.renderer = Renderer(self.device, self.residency, profile=self._profile)
         self.scene = Scene()
         self.asset = SceneAsset("empty")

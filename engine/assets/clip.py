@@ -29,8 +29,12 @@ class Channel:
 
 @dataclass(slots=True)
 class ClipAsset:
+    """`start`: the source's own time, in seconds, of this clip's 0; `frame_rate`: its frames per second, 0 = unknown."""
+
     name: str
     channels: list[Channel] = field(default_factory=list)
+    start: float = 0.0
+    frame_rate: float = 0.0
 
     @property
     def duration(self) -> float:

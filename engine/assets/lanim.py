@@ -2,7 +2,8 @@
 
 Arrays of channel i: `c<i>.times`, `c<i>.values`. Metadata, schema `lucarna.anim/1`:
 
-    {"schema", "name", "provenance": {…}, "channels": [[node, path, interpolation, target], …]}
+    {"schema", "name", "start", "frame_rate", "provenance": {…},
+     "channels": [[node, path, interpolation, target], …]}
 """
 
 from __future__ import annotations
@@ -30,7 +31,10 @@ def write_lanim(path: Path, clip: ClipAsset, provenance: Mapping[str, str] | Non
         arrays[f"c{i}.times"] = channel.times
         arrays[f"c{i}.values"] = channel.values
         channels.append([int(channel.node), channel.path, channel.interpolation, channel.target])
-    metadata = {"schema": SCHEMA, "name": clip.name, "channels": channels, "provenance": dict(provenance or {})}
+    metadata = {
+        "schema": SCHEMA, "name": clip.name, "channels": channels, "provenance": dict(provenance or {}),
+        "start": float(clip.start), "frame_rate": float(clip.frame_rate),
+    }  # fmt: skip
     write_container(path, metadata, arrays)
 
 
@@ -42,6 +46,7 @@ def read_lanim(path: Path) -> ClipAsset:
     metadata, arrays = read_container(path, SCHEMA)
     try:
         clip = ClipAsset(str(metadata["name"]))
+        clip.start, clip.frame_rate = float(metadata.get("start", 0.0)), float(metadata.get("frame_rate", 0.0))
         for i, (node, kind, interpolation, target) in enumerate(metadata["channels"]):
             times = cast("NDArray[np.float32]", arrays[f"c{i}.times"])
             values = cast("NDArray[np.float32]", arrays[f"c{i}.values"])

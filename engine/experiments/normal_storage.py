@@ -74,7 +74,7 @@ KINDS: dict[str, tuple[str, Callable[[F8, int], Words], int]] = {
 
 
 def directions(ctx: Context, kind: str) -> F8:
-    n = ctx.rng("normals").normal(size=(1 << (14 if ctx.quick else 17), 3))
+    n = ctx.rng("normals").normal(size=(1 << (17 if ctx.quick else 19), 3))
     n /= np.linalg.norm(n, axis=1, keepdims=True)
     if kind == "xy + root":
         n[:, 2] = np.abs(n[:, 2])
@@ -85,9 +85,7 @@ def run(ctx: Context, knobs: Knobs) -> Trial:
     expression, encode, components = KINDS[knobs["kind"]]
     bits = int(knobs["bits"])
     n = directions(ctx, knobs["kind"])
-    kernel = ctx.shaders().kernel(
-        expression, {"w": "uvec2"}, "vec3", functions=FUNCTIONS, defines={"BITS": bits}
-    )
+    kernel = ctx.shaders().kernel(expression, {"w": "uvec2"}, "vec3", functions=FUNCTIONS, defines={"BITS": bits})
     dispatch = kernel.bind(w=encode(n, bits))
 
     def judge(_: Any) -> Outcome:
@@ -122,8 +120,13 @@ EXPERIMENT = Experiment(
     orders=[
         Order(1.0, "rounding of a coordinate", "2^-bits", step=lambda k: 2.0 ** -k["bits"]),
         Order(1.0, "rounding of a coordinate", "2^-bits", step=lambda k: 2.0 ** -k["bits"], curve="octahedral"),
-        Order(0.5, "the root's slope is infinite at the rim", "2^-bits", step=lambda k: 2.0 ** -k["bits"],
-              curve="xy + root"),
+        Order(
+            0.5,
+            "the root's slope is infinite at the rim",
+            "2^-bits",
+            step=lambda k: 2.0 ** -k["bits"],
+            curve="xy + root",
+        ),
     ],  # fmt: skip
     needs=frozenset({"gpu"}),
     timed="gpu",

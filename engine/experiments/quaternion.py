@@ -17,7 +17,7 @@ from engine.report.records import Extreme
 F8 = NDArray[np.float64]
 Array = NDArray[Any]
 
-ANGLES = np.radians([1e-5, 1e-3, 0.1, 1.0, 5.0, 15.0, 30.0, 60.0, 90.0, 120.0, 150.0, 175.0])
+ANGLES = np.radians([1e-7, 1e-5, 1e-3, 0.1, 1.0, 5.0, 15.0, 30.0, 60.0, 90.0, 120.0, 150.0, 175.0])
 
 
 def _near(a: Array, b: Array) -> tuple[Array, Array]:
@@ -118,8 +118,13 @@ EXPERIMENT = Experiment(
     curve="method",
     run=run,
     orders=[
-        Order(3.0, "time runs unevenly along the chord", "angle", point={"method": "nlerp", "digits": 64},
-              between=(0.5, 100.0)),
+        Order(
+            3.0,
+            "time runs unevenly along the chord",
+            "angle",
+            point={"method": "nlerp", "digits": 64},
+            between=(0.5, 100.0),
+        ),
     ],  # fmt: skip
     extremes=extremes,
     profile_label="angle between the rotations (degrees)",

@@ -156,7 +156,8 @@ class DrawList:
         if known and len(rows) == 0:
             return False
         m = nodes.world[rows, :, :3]
-        determinant = np.einsum("ij,ij->i", m[:, 0], np.cross(m[:, 1], m[:, 2]))
+        with np.errstate(over="ignore", invalid="ignore"):  # too large for a determinant is too large to be seen
+            determinant = np.einsum("ij,ij->i", m[:, 0], np.cross(m[:, 1], m[:, 2]))
         self._mirrored = before.copy()
         self._mirrored[rows] = determinant < 0.0
         return not known or bool((self._mirrored != before).any())

@@ -6,8 +6,11 @@ shipped baked; a uniform one and none need no file.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
+from dataclasses import fields, replace
 from pathlib import Path
+from typing import Any
 
 from engine.assets.scene import EnvironmentAsset
 from engine.core.errors import InputError
@@ -15,6 +18,9 @@ from engine.core.findings import Findings
 from engine.core.paths import shaders_dir
 from engine.gpu.types import Device
 from engine.resources.environment import EnvironmentMap
+
+#: No light of a surrounding is brighter: products of several such numbers still are float32.
+MAX_BRIGHTNESS = 1e9
 
 #: gives the baked .dds of an environment; raises InputError
 Baker = Callable[[EnvironmentAsset], Path]
@@ -72,3 +78,27 @@ def environment_key(environment: EnvironmentAsset) -> tuple[object, ...]:
     if environment.kind == "sky":
         return ("sky", environment.sun_elevation, environment.sun_azimuth, environment.turbidity)
     return (environment.kind,)
+
+
+def usable(environment: EnvironmentAsset) -> EnvironmentAsset:
+    """`environment` itself, or a copy with every number usable: not finite becomes the default, brightness is kept in
+    [0, MAX_BRIGHTNESS]. Files are checked when they are read; this is for what scripts and animations set."""
+    bad: dict[str, Any] = {}
+    for name, default in _DEFAULTS:
+        value = getattr(environment, name)
+        parts = value if isinstance(value, tuple) else (value,)
+        top = math.inf if name in _ANGLES else MAX_BRIGHTNESS
+        if not all((0.0 <= v <= top or name in _ANGLES) and math.isfinite(v) for v in parts):
+            defaults = default if isinstance(default, tuple) else (default,)
+            fixed = tuple(
+                d if not math.isfinite(v) else v if name in _ANGLES else min(max(v, 0.0), top)
+                for v, d in zip(parts, defaults, strict=True)
+            )
+            bad[name] = fixed if isinstance(value, tuple) else fixed[0]
+    return replace(environment, **bad) if bad else environment
+
+
+_ANGLES = frozenset({"rotation", "sun_elevation", "sun_azimuth"})
+_DEFAULTS = [
+    (field.name, field.default) for field in fields(EnvironmentAsset) if isinstance(field.default, (float, tuple))
+]

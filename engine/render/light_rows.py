@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.assets.environment_dds import sun_direction
+from engine.assets.scene import EnvironmentAsset
 from engine.gpu.glsl_layout import Field, layout
 from engine.gpu.types import Buffer, Device
 from engine.scene.scene import Scene
@@ -52,16 +53,19 @@ class LightRows:
         self.suns = np.zeros((MAX_SUNS, 2, 4), np.float32)
         self._last = b""
 
-    def update(self, scene: Scene, origin: NDArray[np.float64], sun_scale: float, rotation: float) -> None:
+    def update(
+        self, scene: Scene, environment: EnvironmentAsset, origin: NDArray[np.float64], sun_scale: float,
+        rotation: float,
+    ) -> None:  # fmt: skip
         """Rebuild from the table; uploads only what differs from the last time. `rotation`: the view's, radians."""
         world = scene.lights.world()
         directional = np.flatnonzero(world["type"] == 0)
         suns = [(world["direction"][i], world["radiant"][i]) for i in directional[:MAX_SUNS].tolist()]
         overflow = directional[MAX_SUNS:]
-        sun = scene.environment.sun_illuminance * sun_scale
+        sun = environment.sun_illuminance * sun_scale
         if sun > 0.0:
-            turned = scene.environment.sun_azimuth + scene.environment.rotation + rotation
-            suns.insert(0, (-sun_direction(replace(scene.environment, sun_azimuth=turned)), np.full(3, sun)))
+            turned = environment.sun_azimuth + environment.rotation + rotation
+            suns.insert(0, (-sun_direction(replace(environment, sun_azimuth=turned)), np.full(3, sun)))
             overflow = directional[MAX_SUNS - 1 :]
         self.sun_count = min(len(suns), MAX_SUNS)
         self.suns[...] = 0.0

@@ -15,7 +15,7 @@ from engine.framegraph.passes import Pass, PassContext
 from engine.gpu.types import Device, SamplerDesc
 from engine.math.frustum import planes_from_matrix
 from engine.render.draw_list import DrawList
-from engine.render.environments import Environments
+from engine.render.environments import Environments, usable
 from engine.render.facts import SceneFacts
 from engine.render.frame import Frame, RenderFrame
 from engine.render.light_rows import LightRows
@@ -125,10 +125,10 @@ class Renderer:
     def _frame(self, scene: Scene, view: View, origin: NDArray[np.float64], hdr: bool) -> RenderFrame:
         settings = view.settings
         rotation = math.radians(settings.environment_rotation)
-        environment = scene.environment
+        environment = usable(scene.environment)
         env_map = self.environments.get(environment)
         env_intensity = environment.intensity * settings.environment_intensity
-        self._lights.update(scene, origin, settings.sun_intensity, rotation)
+        self._lights.update(scene, environment, origin, settings.sun_intensity, rotation)
         block = fill_view_block(
             view, origin, env_map.irradiance_sh, env_map.mips, env_intensity,
             environment.rotation + rotation, self._lights,

@@ -54,8 +54,9 @@ class TransformRows:
         else:
             first, last = int(changed.min()), int(changed.max()) + 1
         rows = self._rows[first:last]
-        rows[...] = world[first:last]
-        np.subtract(world[first:last, :, 3], origin, out=rows[:, :, 3], casting="same_kind")
+        with np.errstate(over="ignore", invalid="ignore"):  # beyond float32 is infinitely far: culled, not drawn
+            rows[...] = world[first:last]
+            np.subtract(world[first:last, :, 3], origin, out=rows[:, :, 3], casting="same_kind")
         self.buffer.write(rows, first * 48)
 
     def release(self) -> None:

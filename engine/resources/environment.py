@@ -23,6 +23,8 @@ class EnvironmentMap:
     engine.assets.environment_dds says; here as `irradiance_sh` f4[9,4]."""
 
     def __init__(self, device: Device, cube: TextureAsset, sh9: NDArray[np.floating]) -> None:
+        if device.caps.software and cube.format in DECODED_FORMATS:
+            cube = unpacked(device, cube)
         self.mips = cube.mip_count
         self.irradiance_sh = np.zeros((9, 4), np.float32)
         self.irradiance_sh[:, :3] = sh9

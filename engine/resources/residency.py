@@ -53,12 +53,14 @@ class MeshInfo:
 
 
 class Residency:
-    """`findings` collects what went wrong while loading. `structure_rev` counts changes that alter draws."""
+    """`interactive`: many frames will be drawn, so time spent at loading to draw faster is well spent.
 
-    def __init__(self, device: Device, effects: EffectLibrary | None = None) -> None:
+    `findings` collects what went wrong while loading. `structure_rev` counts changes that alter draws."""
+
+    def __init__(self, device: Device, effects: EffectLibrary | None = None, *, interactive: bool = False) -> None:
         self.device = device
         self.effects = effects or EffectLibrary([shaders_dir()])
-        self.pool = TexturePool(device)
+        self.pool = TexturePool(device, interactive=interactive)
         self.materials = MaterialStore(device, self.pool)
         self.arenas: list[MeshArena] = []
         self.meshes: list[MeshInfo] = []

@@ -7,6 +7,10 @@ from dataclasses import dataclass
 
 from engine.assets.texture import TextureAsset
 from engine.gpu.types import Device, Texture, TextureDesc
+from engine.resources.unpack import DECODED_FORMATS, unpacked
+
+#: compressed bytes that are worth unpacking for a single picture on a software rasteriser
+UNPACK_LIMIT = 8 << 20
 
 #: (format, width, height, mips)
 ArrayKey = tuple[str, int, int, int]
@@ -32,10 +36,16 @@ def array_key(asset: TextureAsset) -> ArrayKey:
 
 
 class TexturePool:
-    """Arrays grow by doubling (a copy on the GPU); `reserve` avoids that where the need is known."""
+    """Arrays grow by doubling (a copy on the GPU); `reserve` avoids that where the need is known.
 
-    def __init__(self, device: Device) -> None:
+    On a software rasteriser compressed textures are kept decoded (see unpack.py) when many pictures will be drawn
+    (`interactive`) or when they are small.
+    """
+
+    def __init__(self, device: Device, *, interactive: bool = False) -> None:
         self._device = device
+        self._interactive = interactive
+        self._unpack = interactive and device.caps.software
         self._arrays: list[_Array] = []
         self._open: dict[ArrayKey, int] = {}
 
@@ -50,15 +60,21 @@ class TexturePool:
 
     def reserve(self, assets: Sequence[TextureAsset]) -> None:
         """Make room for these at once, so that each array is allocated one time."""
+        if self._device.caps.software and not self._arrays and not self._interactive:
+            # for one picture only what is decoded in less time than it saves
+            self._unpack = sum(asset.byte_size for asset in assets) <= UNPACK_LIMIT
         wanted: dict[ArrayKey, int] = {}
         for asset in assets:
-            wanted[array_key(asset)] = wanted.get(array_key(asset), 0) + asset.layers
+            key = self._key(asset)
+            wanted[key] = wanted.get(key, 0) + asset.layers
         for key, count in wanted.items():
             self._room(key, count)
 
     def add(self, asset: TextureAsset) -> PooledTexture:
         """Upload the first layer of a 2D texture with all its mips."""
-        key = array_key(asset)
+        key = self._key(asset)
+        if key[0] != asset.format:
+            asset = unpacked(self._device, asset)
         index = self._room(key, 1)
         entry = self._arrays[index]
         layer = entry.used
@@ -73,6 +89,10 @@ class TexturePool:
             entry.texture.release()
         self._arrays.clear()
         self._open.clear()
+
+    def _key(self, asset: TextureAsset) -> ArrayKey:
+        format, width, height, mips = array_key(asset)
+        return (DECODED_FORMATS.get(format, format) if self._unpack else format, width, height, mips)
 
     def _room(self, key: ArrayKey, count: int) -> int:
         """The index of an array of this key with room for `count` more layers (or as many as the device allows)."""

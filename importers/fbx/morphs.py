@@ -1,7 +1,7 @@
 """Blend shapes: channels with in-between shapes become plain morph targets and their weights.
 
 A channel of FBX runs through its shapes at rising target weights; between two neighbours the shapes are mixed
-linearly, from the unmoved mesh at 0, and beyond the last one the mix goes on.
+linearly, with the unmoved mesh at 0; beyond the ends the mix of the last two goes on.
 """
 
 from __future__ import annotations
@@ -37,6 +37,13 @@ def read_channels(mesh: Json) -> list[Channel]:
     return channels
 
 
+def rest_weights(channels: list[Channel]) -> list[float]:
+    """The weights of all morph targets as the file has them."""
+    return [
+        float(v) for channel in channels for v in effective_weights(channel.targets, np.array([channel.weight]))[0]
+    ]
+
+
 def effective_weights(targets: tuple[float, ...], weight: Floats) -> Floats:
     """The weights [n, targets] of a channel's shapes where the channel has `weight` [n]."""
     points = np.array(sorted({*targets, 0.0}))
@@ -44,11 +51,6 @@ def effective_weights(targets: tuple[float, ...], weight: Floats) -> Floats:
     if len(points) < 2:
         return result
     upper = np.clip(np.searchsorted(points, weight, "right"), 1, len(points) - 1)
-    # on each side of 0 the outermost pair goes on, never across 0
-    zero = int(np.searchsorted(points, 0.0))
-    if zero == 0:
-        below = weight < 0
-        upper = np.where(below, 1, upper)
     share = (weight - points[upper - 1]) / (points[upper] - points[upper - 1])
     for column, target in enumerate(targets):
         index = int(np.searchsorted(points, target))

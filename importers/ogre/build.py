@@ -160,8 +160,11 @@ class MeshBuilder:
     def _with_tangents(
         self, part: _Part, triangles: Indices, key: object, number: int, uv_set: int
     ) -> tuple[_Part, Indices, object]:
-        if part.tangent is not None and part.tangent[:, :3].any(axis=1).all():
-            return part, triangles, key
+        if part.tangent is not None and part.tangent[:, :3].any(axis=1).all() and uv_set in part.uv:
+            part, triangles = _compact(part, triangles)
+            assert part.tangent is not None
+            part.tangent[:, 3] = _handedness(part, triangles, uv_set)
+            return part, triangles, (part.target, number)
         if uv_set not in part.uv:
             self._findings.warn(
                 "ogre.no-uv", f"the material's normal map wants uv set {uv_set}, which the mesh lacks",
@@ -197,8 +200,6 @@ class MeshBuilder:
         if geometry.tangent is not None and geometry.normal is not None:
             part.tangent = geometry.tangent.copy()
             part.tangent[:, :3] = self._directions(geometry.tangent[:, :3], "tangents", where)
-            # the v axis points down in both, so bitangent = w * cross(n, t) points the other way in ours
-            part.tangent[:, 3] = np.where(geometry.tangent[:, 3] < 0, 1.0, -1.0)
         part.uv = {k: self._finite(uv, f"uv set {k}", where) for k, uv in geometry.uv.items()}
         if geometry.color is not None and any(w.color for w in self._wanted):
             color = np.clip(self._finite(geometry.color, "vertex colours", where), 0, 1)
@@ -356,6 +357,24 @@ def _compact(part: _Part, triangles: Indices) -> tuple[_Part, Indices]:
     """Only the vertices that `triangles` use, in their order."""
     rows, flat = np.unique(triangles.reshape(-1), return_inverse=True)
     return part.gather(rows.astype(np.int64)), flat.reshape(-1, 3).astype(np.uint32)
+
+
+def _handedness(part: _Part, triangles: Indices, uv_set: int) -> NDArray[np.float64]:
+    """f8[n], 1 or -1: the w that makes w * cross(normal, tangent) follow shrinking v, as `tangent_frames` has it.
+
+    Exporters differ in what they write there, if they write it at all; the uv tell it. dP/dv of a triangle with edges
+    e1, e2 and uv edges (u1, v1), (u2, v2) is (u1 e2 - u2 e1) / (u1 v2 - u2 v1); its vertices get the sum."""
+    p, uv = part.position.astype(np.float64)[triangles], part.uv[uv_set].astype(np.float64)[triangles]
+    e1, e2, t1, t2 = p[:, 1] - p[:, 0], p[:, 2] - p[:, 0], uv[:, 1] - uv[:, 0], uv[:, 2] - uv[:, 0]
+    area = t1[:, 0] * t2[:, 1] - t2[:, 0] * t1[:, 1]
+    with np.errstate(over="ignore", invalid="ignore"):
+        along = (t1[:, :1] * e2 - t2[:, :1] * e1) * np.sign(area)[:, None]
+    along = np.repeat(unit(along, (0.0, 0.0, 0.0)), 3, axis=0)
+    flat = triangles.reshape(-1)
+    sums = np.stack([np.bincount(flat, along[:, k], len(part.position)) for k in range(3)], 1)
+    assert part.tangent is not None
+    across = np.cross(part.normal.astype(np.float64), part.tangent[:, :3].astype(np.float64))
+    return np.where((across * sums).sum(axis=1) > 0, -1.0, 1.0)
 
 
 def _neutral(stream: str, count: int) -> NDArray[Any]:

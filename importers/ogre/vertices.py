@@ -105,8 +105,7 @@ def _unpack_10_10_10_2(packed: NDArray[Any]) -> Floats:
 def to_geometry(elements: dict[tuple[int, int], tuple[Element, Floats]], findings: Findings, where: str) -> Geometry:
     """Columns by (semantic, index) as a Geometry. Elements that have no place in it are findings.
 
-    A missing handedness of tangents comes from the binormal, where there is one (sign of (n x t) . b), else it is 1.
-    """
+    Binormals are not kept: normal, tangent and uv say the same."""
     position = elements[POSITION, 0][1]
     geometry = Geometry(_widened(position, 3, 0.0))
     for (semantic, index), (element, values) in sorted(elements.items()):
@@ -130,13 +129,6 @@ def to_geometry(elements: dict[tuple[int, int], tuple[Element, Floats]], finding
         elif semantic != BINORMAL:
             name = SEMANTICS.get(semantic, f"semantic {semantic}")
             findings.info("ogre.vertex-element", f"{name} {index} is not imported", where)
-    binormal = elements.get((BINORMAL, 0))
-    if geometry.tangent is not None and elements[TANGENT, 0][1].shape[1] == 3:
-        geometry.tangent[:, 3] = 1.0
-        if binormal is not None and binormal[1].shape[1] >= 3 and geometry.normal is not None:
-            with np.errstate(over="ignore", invalid="ignore"):
-                across = np.cross(geometry.normal, geometry.tangent[:, :3])
-                geometry.tangent[:, 3] = np.where((across * binormal[1][:, :3]).sum(axis=1) < 0, -1.0, 1.0)
     return geometry
 
 

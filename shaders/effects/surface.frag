@@ -71,6 +71,7 @@ Surface gather(MaterialParams m)
 #endif
 
     s.normal = safe_normalize(v_normal);
+    s.roughness = antialiased_roughness(s.roughness, s.normal);
 #if NORMAL_MAP
     // Mikkelsen 2008: interpolated, unnormalised tangent frame. The map holds x and y; z is rebuilt.
     vec2 xy = sample_normal_map(m, uv0, uv1).rg * 2.0 - 1.0;

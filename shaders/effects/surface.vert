@@ -74,16 +74,22 @@ void main()
     v_position = vec3(dot(r0, p), dot(r1, p), dot(r2, p));
     gl_Position = view.clip_from_origin * vec4(v_position, 1.0);
 
-    // Normals go by the cofactor matrix: right for any scale, finite where the inverse transpose is not.
-    vec3 c0 = cross(r1.xyz, r2.xyz);
-    vec3 c1 = cross(r2.xyz, r0.xyz);
-    vec3 c2 = cross(r0.xyz, r1.xyz);
-    float handedness = dot(r0.xyz, c0) < 0.0 ? -1.0 : 1.0;
+    // Normals go by the cofactor matrix: right for any scale, finite where the inverse transpose is not. The linear part
+    // is brought to size 1 first: cofactors grow with the square of a node's scale, and the handedness with the cube.
+    vec3 largest = max(max(abs(r0.xyz), abs(r1.xyz)), abs(r2.xyz));
+    float to_unit = 1.0 / max(max(max(largest.x, largest.y), largest.z), 1e-30);
+    vec3 l0 = r0.xyz * to_unit;
+    vec3 l1 = r1.xyz * to_unit;
+    vec3 l2 = r2.xyz * to_unit;
+    vec3 c0 = cross(l1, l2);
+    vec3 c1 = cross(l2, l0);
+    vec3 c2 = cross(l0, l1);
+    float handedness = dot(l0, c0) < 0.0 ? -1.0 : 1.0;
     vec3 n = a_normal.xyz * handedness;
     v_normal = vec3(dot(c0, n), dot(c1, n), dot(c2, n));
 #if NORMAL_MAP
     vec3 t = a_tangent.xyz;
-    v_tangent = vec4(dot(r0.xyz, t), dot(r1.xyz, t), dot(r2.xyz, t), a_tangent.w * handedness);
+    v_tangent = vec4(dot(l0, t), dot(l1, t), dot(l2, t), a_tangent.w * handedness);
 #endif
 #if HAS_UV0
     v_uv0 = a_uv0;

@@ -3,12 +3,13 @@
 #include "lib/brdf.glsl"
 
 // Lagarde and de Rousiers 2014, "Moving Frostbite to PBR", listings 1 and 2: inverse square with a smooth window that
-// reaches zero with zero slope at the range; range 0 means unlimited. The floor under d^2 keeps a light on a surface finite.
+// reaches zero with zero slope at the range; range 0 means unlimited. The floor under d^2 keeps a light on a surface finite;
+// it is a micrometre, not their centimetre, so that a scene of millimetres is lit as the same scene in metres.
 float distance_falloff(float d2, float range)
 {
-    float falloff = 1.0 / max(d2, 1e-4);
+    float falloff = 1.0 / max(d2, 1e-12);
     if (range > 0.0) {
-        float x = d2 / (range * range);
+        float x = d2 / max(range * range, 1e-30);  // a range so small that its square is 0 would give 0/0
         float window = sat(1.0 - x * x);
         falloff *= window * window;
     }

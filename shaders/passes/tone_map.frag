@@ -13,7 +13,8 @@ layout(location = 0) out vec4 o_color;
 
 vec4 display(vec4 hdr)
 {
-    vec3 c = sanitise(hdr.rgb) * tone_map.exposure_scale;
+    // Every curve has long been white at 65504; beyond 1e19 the squares in some would overflow, and inf / inf is black.
+    vec3 c = min(sanitise(hdr.rgb) * tone_map.exposure_scale, vec3(65504.0));
 #if TONE_MAP == 1
     c = tone_map_agx(c);
 #elif TONE_MAP == 2

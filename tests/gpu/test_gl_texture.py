@@ -60,7 +60,9 @@ def test_every_image_comes_back_as_it_went(bench: Any, format: str, kind: dict[s
 
 
 def test_all_formats_are_covered() -> None:
-    assert set(UNPACKED) | {"rg11b10f", "rgb10a2"} == {f for f in (*FORMATS, *TARGET_FORMATS) if f in formats.READ_AS}
+    assert set(UNPACKED) | {"rg11b10f", "rgb10a2"} == {
+        f for f in (*FORMATS, *TARGET_FORMATS) if f in formats.READ_AS and f not in formats.COMPRESSED
+    }
     assert set(formats.BLOCKS) == set(FORMATS) | set(TARGET_FORMATS)
 
 
@@ -151,8 +153,11 @@ def test_blocks_are_sampled(
         half = np.uint16((((0x1EF << 16) + 0x8000) >> 10) * 31 >> 6).view(np.float16)
         expected = [float(half)] * 3 + [1.0]
     np.testing.assert_allclose(seen.reshape(-1, 4), np.tile(expected, (28, 1)), atol=tolerance)
-    with pytest.raises(UsageError, match="cannot be read back"):
-        texture.read()
+    decoded = texture.read()
+    scale = 1.0 if decoded.dtype == np.float16 else 255.0
+    if not format.endswith("-srgb"):  # those come as stored, not linearised
+        channels = decoded.shape[-1]
+        np.testing.assert_allclose(decoded[0, 0] / scale, expected[:channels], atol=max(tolerance, 1e-3))
 
 
 def test_block_cube(bench: Any) -> None:

@@ -25,7 +25,8 @@ class ShaderProbe:
     `result` (a vec4): f4[n,4].
 
     Inputs are f4[n] or f4[n,2..4], or one value (one row) for all; in the code each is a variable of its own name.
-    `shaders`: the folder whose files are included. `storage`, `textures`: further bindings that these want.
+    `shaders`: the folder whose files are included. `storage`, `textures`: further bindings that these want; `declare`: further
+    declarations.
     """
 
     def __init__(self, device: Device, folder: Path, shaders: Path | None = None) -> None:
@@ -35,7 +36,7 @@ class ShaderProbe:
 
     def __call__(
         self, code: str, *includes: str, storage: Mapping[int, Any] | None = None,
-        textures: Mapping[int, Any] | None = None, **inputs: ArrayLike,
+        textures: Mapping[int, Any] | None = None, declare: str = "", **inputs: ArrayLike,
     ) -> NDArray[np.float32]:  # fmt: skip
         arrays = {name: _columns(values) for name, values in inputs.items()}
         count = max((len(a) for a in arrays.values()), default=1)
@@ -49,6 +50,7 @@ class ShaderProbe:
             [
                 f"layout(local_size_x = {GROUP}) in;",
                 *(f'#include "{name}"' for name in includes),
+                declare,
                 "layout(std430, binding = 6) readonly buffer Given { vec4 given[]; };",
                 "layout(std430, binding = 7) writeonly buffer Made { vec4 made[]; };",
                 "void main() {",

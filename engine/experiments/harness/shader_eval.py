@@ -29,6 +29,8 @@ TYPES: dict[str, tuple[str, int, int]] = {
 
 LOCAL_SIZE = 64
 MAX_GROUPS = 65535
+#: a compute shader has no neighbours in screen space: where a library function asks for their difference it is zero
+NO_DERIVATIVES: dict[str, str | int] = {f"{name}(p)": "((p) - (p))" for name in ("dFdx", "dFdy", "fwidth")}
 _OUT_BINDING = 7  # eight storage blocks are the least that a device has
 
 
@@ -110,7 +112,7 @@ class ShaderEval:
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "eval.comp"
             path.write_text(text, "utf-8")
-            source = flatten(path, "compute", search=[shaders_dir()], defines=defines or {})
+            source = flatten(path, "compute", search=[shaders_dir()], defines={**NO_DERIVATIVES, **(defines or {})})
         return Kernel(self._device, source, inputs, output)
 
 

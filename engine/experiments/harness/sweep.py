@@ -53,7 +53,10 @@ def run_experiment(name: str, experiment: Experiment, ctx: Context, progress: Pr
     result.orders = [_order(experiment, order, points, floor) for order in experiment.orders]
     say("extreme cases")
     result.extremes = _extremes(experiment, ctx)
-    result.tables = list(experiment.tables(ctx)) if experiment.tables else []
+    try:
+        result.tables = list(experiment.tables(ctx)) if experiment.tables else []
+    except LucarnaError as error:
+        ctx.omit("tables", str(error))
     result.omitted += ctx.omitted
     result.note = " ".join([experiment.note, *ctx.notes]).strip()
     result.seconds = time.perf_counter() - started
@@ -80,9 +83,7 @@ def _missing(experiment: Experiment, ctx: Context) -> str:
     return ""
 
 
-def _judge_all(
-    experiment: Experiment, ctx: Context, say: Progress, result: Result
-) -> tuple[list[Point], list[Trial]]:
+def _judge_all(experiment: Experiment, ctx: Context, say: Progress, result: Result) -> tuple[list[Point], list[Trial]]:
     settings = list(experiment.knobs(ctx) if callable(experiment.knobs) else experiment.knobs)
     if ctx.quick and experiment.quick is not None:
         left = [k for k in settings if not experiment.quick(k)]
@@ -206,8 +207,13 @@ def _floor(floor: Callable[[Context], Floor] | Floor | None, ctx: Context) -> Fl
 def _extremes(experiment: Experiment, ctx: Context) -> list[Extreme]:
     if experiment.extremes is None:
         return []
-    with np.errstate(all="ignore"):
-        return list(experiment.extremes(ctx))
+    found: list[Extreme] = []
+    try:
+        with np.errstate(all="ignore"):
+            found.extend(experiment.extremes(ctx))
+    except LucarnaError as error:
+        ctx.omit("extreme cases", str(error))
+    return found
 
 
 def knob_text(knobs: Knobs) -> str:

@@ -14,6 +14,9 @@ from engine.gpu.types import ColorAttachment
 from engine.render.frame import INPUT_UNIT, PASS_BINDING, RenderFrame
 from engine.render.settings import TONE_MAPS
 
+#: stops: as far as a scene file may go; 2^100 times the brightest radiance still is a float32
+MAX_EXPOSURE = 100.0
+
 BLOCK = layout([Field("exposure_scale", "float")], rule="std140")
 
 
@@ -29,7 +32,7 @@ class ToneMapPass(Pass):
     def execute(self, ctx: PassContext) -> None:
         frame: RenderFrame = ctx.frame
         row = np.zeros((), BLOCK.dtype)
-        row["exposure_scale"] = 2.0 ** frame.look["exposure"]
+        row["exposure_scale"] = exposure_scale(frame.look["exposure"])
         block = frame.pass_block(self.name, row)
         defines = {"TONE_MAP": TONE_MAPS.index(frame.facts.tone_map), "SAMPLES": frame.facts.samples}
         pipeline = frame.programs.screen("tone_map.frag", block=BLOCK, block_name="tone_map", defines=defines)
@@ -39,3 +42,8 @@ class ToneMapPass(Pass):
                 frame.view_bindings({INPUT_UNIT: (ctx.texture("hdr"), frame.point_sampler)}, {PASS_BINDING: block})
             )
             render_pass.draw(3)
+
+
+def exposure_scale(stops: float) -> float:
+    """2^stops, with stops kept within MAX_EXPOSURE; not a number counts as 0."""
+    return float(2.0 ** min(max(stops, -MAX_EXPOSURE), MAX_EXPOSURE)) if stops == stops else 1.0

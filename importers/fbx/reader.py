@@ -1,0 +1,198 @@
+"""FBX file -> ImportedModel: a worker reads it, the host puts our assets together; all findings collected."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from pathlib import Path
+from typing import Any
+
+from engine.assets.scene import MeshRef, NodeAsset
+from engine.core.atomic import write_text
+from engine.core.errors import FormatError, InputError, LucarnaError, Place
+from engine.core.findings import Findings
+from engine.core.paths import user_cache_dir
+from importers.fbx import morphs
+from importers.fbx.clips import read_clips
+from importers.fbx.document import FbxDocument
+from importers.fbx.images import Images
+from importers.fbx.materials import read_material
+from importers.fbx.meshes import build_mesh
+from importers.fbx.nodes import active_camera, read_nodes
+from importers.fbx.skins import OWN_NODE, Skin, read_skin
+from importers.fbx.texture_files import TextureFinder
+from importers.gltf.materials import normal_map_uv
+from importers.gltf.uris import similar_name_hint
+from importers.model import ImportedModel
+from importers.settings import ImportSettings
+from importers.workers.runner import WorkerLimits, WorkerResult, run_in_worker
+
+_TASK = "importers.fbx.extract:extract"
+
+
+def load(path: Path, settings: ImportSettings) -> ImportedModel:
+    """Read an .fbx whole. Raises InputError or FormatError where nothing can be had from it; everything less is a
+    finding of the model, and the rest is imported."""
+    findings = Findings(str(path))
+    result = _run(path, settings, names_only=False)
+    try:
+        doc = FbxDocument(result, findings)
+        return _Builder(doc, path, settings).build()
+    except (KeyError, IndexError, TypeError, ValueError) as error:
+        raise FormatError(
+            f"the scene that was read makes no sense ({type(error).__name__}: {error})", where=path,
+            hint="export it again; please report this file",
+        ) from error  # fmt: skip
+    except LucarnaError as error:
+        if not error.where.file:
+            error.where = Place(str(path), path=error.where.path)
+        raise
+
+
+def dependencies(path: Path, settings: ImportSettings) -> list[tuple[str, Path]]:
+    """(name in the file, file) of every texture that the source names; for one that is not found, where it could be.
+
+    The names are remembered by the file's content, so asking again starts no worker.
+    """
+    finder = TextureFinder(path, settings.allow_outside)
+    found = []
+    for names in _texture_names(path, settings):
+        search = finder.find(names)
+        name = next((n for n in names if n), "")
+        found.append((name, search.path or path.parent / Path(name.replace("\\", "/")).name))
+    return found
+
+
+def _run(path: Path, settings: ImportSettings, *, names_only: bool) -> WorkerResult:
+    if not path.is_file():
+        if path.exists():
+            raise InputError("is not a regular file", where=path, hint="pipes, devices and folders are not read")
+        raise InputError("there is no such file", where=path, hint=similar_name_hint(path))
+    size = path.stat().st_size
+    if size > settings.max_file_bytes:
+        raise InputError(f"has {size:,} bytes; the limit is {settings.max_file_bytes:,}", where=path)
+    limits = WorkerLimits(settings.max_worker_seconds, settings.max_worker_bytes)
+    request = {"path": str(path.resolve()), "names_only": names_only}
+    return run_in_worker(_TASK, request, path, limits, "the FBX reader")
+
+
+def _texture_names(path: Path, settings: ImportSettings) -> list[list[str]]:
+    try:
+        with path.open("rb") as file:
+            digest = hashlib.file_digest(file, lambda: hashlib.blake2b(digest_size=16)).hexdigest()
+    except OSError as error:
+        raise InputError(f"cannot read: {error.strerror or error}", where=path) from error
+    memo = user_cache_dir() / "fbx_textures" / f"{digest}.json"
+    try:
+        known: list[list[str]] = json.loads(memo.read_text(encoding="utf-8"))
+        if all(isinstance(name, str) for names in known for name in names):
+            return known
+    except (OSError, ValueError, TypeError):
+        pass
+    result = _run(path, settings, names_only=True)
+    names = [[str(n) for n in texture["files"]] for texture in result.data["textures"] if texture["type"] == "file"]
+    try:
+        write_text(memo, json.dumps(names))
+    except LucarnaError:
+        return names  # the memo saves time only
+    return names
+
+
+class _Builder:
+    """Nodes, skins, meshes and clips, which all need one another's numbers."""
+
+    def __init__(self, doc: FbxDocument, path: Path, settings: ImportSettings) -> None:
+        self._doc = doc
+        self._images = Images(doc, path, settings)
+        self._model = ImportedModel(path.stem, doc.findings)
+        self._built: dict[tuple[object, ...], tuple[int, Skin | None]] = {}
+
+    def build(self) -> ImportedModel:
+        doc, model = self._doc, self._model
+        self._note_warnings()
+        model.materials = [
+            read_material(doc, self._images, index, uv_sets) for index, uv_sets in enumerate(self._uv_sets())
+        ]
+        model.images = self._images.images
+        model.dependencies = self._images.files
+        model.nodes, rows = read_nodes(doc)
+        model.active_camera = active_camera(doc, rows)
+        shapes: dict[int, list[morphs.Channel]] = {}
+        for index, node in enumerate(doc.nodes):
+            if index in rows and node["mesh"] >= 0:
+                channels = self._attach(index, model.nodes[rows[index]], rows)
+                if channels:
+                    shapes[rows[index]] = channels
+        model.clips = read_clips(doc, model.nodes, rows, shapes)
+        if not model.meshes:
+            doc.findings.warn("fbx.no-meshes", "the file has no mesh that can be drawn", hint="the scene is empty")
+        model.summary |= self._summary()
+        return model
+
+    def _attach(self, index: int, asset: NodeAsset, rows: dict[int, int]) -> list[morphs.Channel]:
+        """Hang the node's mesh on it; returns the mesh's blend channels."""
+        doc, node = self._doc, self._doc.nodes[index]
+        mesh = doc.meshes[node["mesh"]]
+        own, shared = [int(m) for m in node["materials"]], [int(m) for m in mesh["materials"]]
+        materials = own if len(own) >= len(shared) else shared
+        key = (node["mesh"], *materials)
+        if key not in self._built:
+            where = f"meshes[{mesh['name'] or node['mesh']}]"
+            skin = read_skin(doc, mesh, index, where) if mesh["skins"] else None
+            normal_uv = [normal_map_uv(m) for m in self._model.materials]
+            built = build_mesh(doc, int(node["mesh"]), materials, skin, normal_uv)
+            number = -1
+            if built is not None:
+                number = len(self._model.meshes)
+                if not mesh["name"]:
+                    built[0].name = asset.name
+                self._model.meshes.append(built[0])
+                self._model.slots.append(built[1])
+            self._built[key] = (number, skin)
+        number, skin = self._built[key]
+        if number < 0:
+            return []
+        asset.mesh = MeshRef("", number, self._model.meshes[number].name)
+        if skin is not None:
+            joints = [index if joint == OWN_NODE else joint for joint in skin.joints]
+            asset.joints = [rows[joint] for joint in joints]
+        channels = morphs.read_channels(mesh)
+        asset.weights = morphs.rest_weights(channels)
+        return channels
+
+    def _uv_sets(self) -> list[list[str]]:
+        """Per material, the names of the uv sets of the first mesh that uses it."""
+        doc = self._doc
+        found: list[list[str]] = [[] for _ in doc.materials]
+        for node in doc.nodes:
+            if node["mesh"] < 0:
+                continue
+            mesh = doc.meshes[node["mesh"]]
+            names = [str(uv["name"]) for uv in mesh["uv_sets"]]
+            for material in [*node["materials"], *mesh["materials"]]:
+                if 0 <= material < len(found) and not found[material]:
+                    found[material] = names
+        return found
+
+    def _note_warnings(self) -> None:
+        doc = self._doc
+        for text, count in doc.data["warnings"]:
+            times = f" ({count} times)" if count > 1 else ""
+            doc.findings.warn("fbx.reader", f"{text}{times}")
+        for what, count in doc.data["left_out"]:
+            doc.findings.info("fbx.left-out", f"{count} {what}: not imported")
+
+    def _summary(self) -> dict[str, Any]:
+        doc, data = self._doc, self._doc.data
+        version = int(data["version"])
+        kind = "ASCII" if data["ascii"] else "binary, big-endian" if data["big_endian"] else "binary"
+        names = ("nodes", "meshes", "materials", "textures", "stacks", "lights", "cameras")
+        return {
+            "format": f"FBX {kind}",
+            "version": f"{version // 1000}.{version % 1000 // 100}",
+            "generator": str(data["creator"]),
+            "application": str(data["application"]),
+            "unit_meters": data["unit_meters"],
+            "frame_rate": data["frame_rate"],
+            "counts": {name: len(data[name]) for name in names} | {"nodes": max(len(doc.nodes) - 1, 0)},
+        }
