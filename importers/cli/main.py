@@ -19,6 +19,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "convert": ("importers.cli.convert", "convert sources to engine files"),
     "inspect": ("importers.cli.inspect", "describe a source or engine file"),
     "check": ("importers.cli.check", "report what is wrong with sources, write nothing"),
+    "export": ("importers.cli.export", "write posed geometry as OBJ"),
     "render": ("importers.cli.render", "render a scene or source file to a picture, without a window"),
     "play": ("importers.cli.play", "show a scene in a plain window with a free camera"),
     "report": ("importers.cli.report", "measure error against time"),

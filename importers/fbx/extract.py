@@ -63,6 +63,7 @@ def extract(request: dict[str, Any]) -> tuple[dict[str, Any], dict[str, NDArray[
         "application": metadata.original_application.name,
         "frame_rate": frame_rate if 0.1 < frame_rate < 10000 else 30.0,
         "unit_meters": _number(settings.original_unit_meters or settings.unit_meters, 1.0),
+        "up_axis": ufbx.CoordinateAxis(int(settings.original_axis_up)).name.lower(),
         "default_camera": settings.default_camera,
         "warnings": [[w.description, w.count] for w in metadata.warnings],
         "left_out": [[what, len(getattr(scene, name))] for name, what in _LEFT_OUT.items() if len(getattr(scene, name))],

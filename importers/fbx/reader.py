@@ -193,6 +193,7 @@ class _Builder:
             "generator": str(data["creator"]),
             "application": str(data["application"]),
             "unit_meters": data["unit_meters"],
+            "up_axis": data["up_axis"],
             "frame_rate": data["frame_rate"],
             "counts": {name: len(data[name]) for name in names} | {"nodes": max(len(doc.nodes) - 1, 0)},
         }

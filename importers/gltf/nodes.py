@@ -10,6 +10,7 @@ import math
 import numpy as np
 
 from engine.assets.scene import IDENTITY_ROTATION, CameraAsset, LightAsset, NodeAsset
+from engine.core.findings import Severity
 from engine.math.transform import compose, decompose
 from importers.gltf.document import Document, JsonObject
 
@@ -63,13 +64,26 @@ def _trs(doc: Document, node: JsonObject, where: str, asset: NodeAsset) -> None:
     if length != 1.0:
         r = tuple(v / length for v in r)
     if 0.0 in s:
-        doc.findings.warn(
-            "gltf.zero-scale", f"the scale {list(s)} flattens whatever hangs on the node", f"{where}.scale",
+        # a scale that a clip animates may well start at zero: that is how things are made to appear
+        severity = Severity.WARNING if where in _scaled_by_clips(doc) else Severity.ERROR
+        doc.findings.add(
+            severity, "gltf.zero-scale", f"the scale {list(s)} flattens whatever hangs on the node", f"{where}.scale",
             "give it a small scale instead, or hide it",
         )  # fmt: skip
     asset.translation = (t[0], t[1], t[2])
     asset.rotation = (r[0], r[1], r[2], r[3])
     asset.scale = (s[0], s[1], s[2])
+
+
+def _scaled_by_clips(doc: Document) -> set[str]:
+    """The nodes (as `nodes[3]`) whose scale some animation sets."""
+    targets = (
+        channel.get("target")
+        for animation in doc.objects("animations")
+        for channel in animation.get("channels") or ()
+        if isinstance(channel, dict)
+    )
+    return {f"nodes[{t.get('node')}]" for t in targets if isinstance(t, dict) and t.get("path") == "scale"}
 
 
 def apply_matrices(doc: Document, pending: list[PendingMatrix]) -> None:
@@ -96,7 +110,7 @@ def apply_matrices(doc: Document, pending: list[PendingMatrix]) -> None:
         if bent[k]:
             doc.findings.warn("gltf.matrix", "the last row is not 0 0 0 1; taken as that", where)
         if abs(determinant[k]) < 1e-12:
-            doc.findings.warn(
+            doc.findings.error(
                 "gltf.singular", "the matrix is singular: it flattens whatever hangs on the node", where,
                 "export the transform again",
             )  # fmt: skip

@@ -167,7 +167,7 @@ class _Builder:
                 self._mesh(mesh, -1, hierarchy)
         self._reader.report_zero_area()
         if not model.meshes:
-            doc.findings.warn("gltf.no-meshes", "the file has no mesh that can be drawn", hint="the scene is empty")
+            doc.findings.error("gltf.no-meshes", "the file has no mesh that can be drawn", hint="the scene is empty")
         for number in range(len(doc.objects("animations"))):
             clip = read_animation(doc, self._accessors, number, rows, self._names, morphs)
             if clip.channels:

@@ -4,6 +4,7 @@
 // Below this perceptual roughness the fp32 GGX lobe is under-resolved (Lagarde and de Rousiers 2014 use 0.045).
 const float MIN_ROUGHNESS = 0.045;
 
+#ifdef STAGE_FRAGMENT  // derivatives are there only
 // Tokuyoshi and Kaplanyan 2019, "Improved Geometric Specular Antialiasing", eqs. 4 to 6: how far the normal turns within
 // a pixel widens the lobe, so that thin bevels and far curved metal do not sparkle. Perceptual roughness in and out.
 float antialiased_roughness(float perceptual_roughness, vec3 n)
@@ -12,10 +13,12 @@ float antialiased_roughness(float perceptual_roughness, vec3 n)
     const float most = 0.18;               // their threshold: a whole lobe must not become diffuse
     vec3 du = dFdx(n);
     vec3 dv = dFdy(n);
-    float widening = min(2.0 * variance_of_pixel * (dot(du, du) + dot(dv, dv)), most);
+    float widening = 2.0 * variance_of_pixel * (dot(du, du) + dot(dv, dv));
+    widening = widening < most ? widening : most;  // also where a neighbour's normal is not a number
     float alpha = perceptual_roughness * perceptual_roughness;
     return sqrt(sqrt(sat(alpha * alpha + widening)));
 }
+#endif
 
 // Walter et al. 2007, "Microfacet Models for Refraction through Rough Surfaces", eq. 33 (GGX), with 1-(n.h)^2 taken as
 // |n x h|^2 (Lagrange's identity), which keeps its digits when alpha is small and n.h is near 1.

@@ -66,7 +66,7 @@ def test_convert_prints_files_and_findings(tmp_path: Path, capsys: Capture) -> N
 
 def test_warnings_do_not_change_the_exit_code(tmp_path: Path, capsys: Capture) -> None:
     b = triangle()
-    b.root["nodes"][0]["scale"] = [1, 0, 1]
+    b.root["nodes"][0]["rotation"] = [0, 0, 0, 2]
     source = b.write_gltf(tmp_path / "a.gltf")
     assert main(["convert", str(source), "--out", str(tmp_path / "out")]) == 0
     assert "warning" in capsys.readouterr().out
