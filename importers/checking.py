@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import TypeVar
 
+from engine.assets.scene import SceneAsset
 from engine.core.errors import InputError
 from engine.core.findings import Findings
 from importers.registry import find_importer, source_extensions
 from importers.settings import ImportSettings
+
+T = TypeVar("T")
 
 #: ending -> kind of our own files; the longer endings first
 ENGINE_FILES = {
@@ -69,6 +74,7 @@ def check_file(path: Path, settings: ImportSettings) -> Findings:
 
 
 def _check_source(path: Path, settings: ImportSettings) -> Findings:
+    from importers.check_scene import SceneParts, check_scene_numbers
     from importers.textures.image import decode
 
     model = find_importer(path).load(path, settings)
@@ -82,6 +88,13 @@ def _check_source(path: Path, settings: ImportSettings) -> Findings:
             decode(data, source.path, settings)
         except InputError as error:
             model.findings.error("texture.image", f"cannot be decoded: {error.message}", source.path, error.hint)
+    scene = SceneAsset(
+        model.name, model.nodes, environment=model.environment, look=model.look, active_camera=model.active_camera
+    )
+    meshes = [model.meshes[n.mesh.index] if n.mesh and n.mesh.index < len(model.meshes) else None for n in model.nodes]
+    materials = {f"materials[{i}]": m.asset for i, m in enumerate(model.materials)}
+    clips = {f"animations[{i}]": clip for i, clip in enumerate(model.clips)}
+    check_scene_numbers(SceneParts(scene, meshes, materials, clips), model.findings)
     return model.findings
 
 
@@ -100,13 +113,44 @@ def _check_scene(path: Path, findings: Findings) -> None:
     if scene.environment.kind == "image":
         wanted.setdefault(scene.environment.path, "environment.path")
     _report_missing(path.parent, wanted, findings)
+    _check_numbers(path.parent, scene, findings)
+
+
+def _check_numbers(folder: Path, scene: SceneAsset, findings: Findings) -> None:
+    """The numeric part, on everything the scene names that can be read."""
+    from engine.assets.lanim import read_lanim
+    from engine.assets.lmesh import read_lmesh
+    from engine.assets.material_toml import read_material
+    from importers.check_scene import SceneParts, check_scene_numbers
+
+    def read_all(names: list[str], reader: Callable[[Path], T]) -> dict[str, T]:
+        found: dict[str, T] = {}
+        for name in dict.fromkeys(names):
+            if name and (folder / name).is_file():
+                try:
+                    found[name] = reader(folder / name)
+                except InputError as error:
+                    findings.error("reference.unreadable", error.message, str(error.where), error.hint)
+        return found
+
+    refs = [node.mesh for node in scene.nodes]
+    files = read_all([ref.file for ref in refs if ref], read_lmesh)
+    meshes = [
+        files[ref.file][ref.index] if ref and 0 <= ref.index < len(files.get(ref.file, [])) else None for ref in refs
+    ]
+    materials = read_all([name for ref in refs if ref for name in ref.materials], read_material)
+    clips = read_all(scene.clips, read_lanim)
+    check_scene_numbers(SceneParts(scene, meshes, materials, clips), findings)
 
 
 def _check_material(path: Path, findings: Findings) -> None:
     from engine.assets.material_toml import read_material
+    from importers.check_scene import check_material_numbers
 
     wanted: dict[str, str] = {}
-    for slot, texture in read_material(path).textures.items():
+    material = read_material(path)
+    check_material_numbers(material, "", findings)
+    for slot, texture in material.textures.items():
         if texture.path:
             wanted.setdefault(texture.path, f"textures.{slot}.path")
         else:

@@ -1,7 +1,7 @@
 """A whole scene at one moment, on the CPU: where its nodes stand, and its meshes morphed and skinned in world space.
 
-    nodes (+ clip, time) ─> local TRS ─> world f8[n,4,4] ─┐
-    node.weights / weights channels ─> morphed positions ─┴─> linear or dual-quaternion skinning ─> PosedMesh
+nodes (+ clip, time) ─> local TRS ─> world f8[n,4,4] ─┐
+node.weights / weights channels ─> morphed positions ─┴─> linear or dual-quaternion skinning ─> PosedMesh
 """
 
 from __future__ import annotations
@@ -18,9 +18,13 @@ from engine.animation.tracks import pack
 from engine.assets.clip import ClipAsset
 from engine.assets.mesh import MeshAsset
 from engine.assets.scene import NodeAsset
-from engine.math.transform import compose
+from engine.math.transform import compose, inverse_affine
 
 F8 = NDArray[np.float64]
+
+#: key of NodeAsset.extras: where a skinned mesh's node stood when it was bound (column-major f8[16], world space).
+#: A node that has it carries its skinned mesh along, as Maya does; others leave skinned meshes to their joints alone.
+BIND_WORLD = "skin_bind_world"
 
 
 @dataclass(slots=True)
@@ -87,23 +91,33 @@ def pose_meshes(
             weights = pose.weights.get(i, np.zeros(len(mesh.morphs)))
             positions = morph.morphed(positions, mesh.morphs, weights)
             normals = morph.morphed(normals, mesh.morphs, weights, "normal")
-        matrices = _skin(mesh, node, pose) if mesh.skeleton is not None and node.joints else pose.world[i]
+        matrices = _skin(mesh, node, i, pose) if mesh.skeleton is not None and node.joints else pose.world[i]
         mirrored = matrices.ndim == 2 and np.linalg.det(matrices[:3, :3]) < 0.0
         triangles = [
-            mesh.indices[s.first_index : s.first_index + s.index_count].reshape(-1, 3)[:, [0, 2, 1] if mirrored else [0, 1, 2]]
+            mesh.indices[s.first_index : s.first_index + s.index_count].reshape(-1, 3)[
+                :, [0, 2, 1] if mirrored else [0, 1, 2]
+            ]
             if s.topology == "triangles"
             else np.zeros((0, 3), np.uint32)
             for s in mesh.submeshes
         ]
         yield PosedMesh(
-            i, mesh, skinning.transform_points(matrices, positions), skinning.transform_normals(matrices, normals), triangles
+            i,
+            mesh,
+            skinning.transform_points(matrices, positions),
+            skinning.transform_normals(matrices, normals),
+            triangles,
         )
 
 
-def _skin(mesh: MeshAsset, node: NodeAsset, pose: ScenePose) -> F8:
+def _skin(mesh: MeshAsset, node: NodeAsset, index: int, pose: ScenePose) -> F8:
     """World from mesh per vertex, f8[n,4,4]."""
     assert mesh.skeleton is not None
     matrices = skinning.joint_matrices(pose.world[node.joints], mesh.skeleton.inverse_bind)
+    bind = node.extras.get(BIND_WORLD)
+    if isinstance(bind, list) and len(bind) == 16:
+        own = np.reshape(np.asarray(bind, np.float64), (4, 4)).T
+        matrices = pose.world[index] @ inverse_affine(own) @ matrices
     joints, weights = skinning.influences(mesh.streams)
     linear = skinning.vertex_matrices(joints, weights, matrices)
     if mesh.extras.get("skinning") != "dual_quaternion":

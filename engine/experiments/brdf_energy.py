@@ -150,5 +150,5 @@ EXPERIMENT = Experiment(
     extremes=extremes,
     profile_label="alpha",
     note="Time is NumPy's for 16,384 samples of the term. A gain above 1e-3 means that the pairing makes light; loss is"
-    " what single scattering does not bring back. No order is expected: these are models, not discretisations.",
+    " what single scattering does not bring back. With multiple scattering the sum is 1 by construction; how well the shaders' table holds it is dfg_table's question. No order is expected: these are models, not discretisations.",
 )

@@ -85,9 +85,8 @@ EXPERIMENT = Experiment(
     curve="form",
     run=run,
     orders=[
-        Order(1.0, "the mix is linear in alpha, and so is its error while alpha is small", "alpha",
-              point={"form": "hammon"}, between=(2e-3, 0.11), tolerance=0.5),
-    ],  # fmt: skip
+        Order(0.0, "rounding alone, whatever alpha", "alpha"),
+    ],
     format_floor=Floor(2.0**-24, "float32 rounding"),
     needs=frozenset({"gpu"}),
     timed="gpu",

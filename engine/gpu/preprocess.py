@@ -6,8 +6,9 @@ A file is included once, as if it had an include guard; also where the first #in
 from __future__ import annotations
 
 import difflib
+import os
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, MutableMapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -16,6 +17,7 @@ from engine.gpu.types import ShaderSource
 
 STAGES = ("vertex", "fragment", "compute", "geometry", "tess_control", "tess_evaluation")
 MAX_BYTES = 4 << 20  # of one file: shaders are small, anything above is not a shader
+MAX_NAMES = 2000  # of files that a wrong name is compared with
 MAX_LINES = 200_000  # of the flattened text: conditional includes could multiply
 
 _DIRECTIVE = re.compile(r"\s*#\s*(\w+)")
@@ -33,6 +35,10 @@ class _Flattening:
     stack: list[Path] = field(default_factory=list)
     done: set[Path] = field(default_factory=set)
     conditional: dict[Path, str] = field(default_factory=dict)
+    texts: MutableMapping[Path, str] = field(default_factory=dict)
+
+    def has(self, path: Path) -> bool:
+        return path.is_file() or path.resolve() in self.texts
 
     def put(self, line: str, file: str, number: int) -> None:
         self.text.append(line)
@@ -42,24 +48,30 @@ class _Flattening:
 
 
 def flatten(
-    path: Path, stage: str, *, search: Sequence[Path], prelude: str = "", defines: Mapping[str, str | int] | None = None
-) -> ShaderSource:
+    path: Path, stage: str, *, search: Sequence[Path], prelude: str = "",
+    defines: Mapping[str, str | int] | None = None, texts: MutableMapping[Path, str] | None = None,
+) -> ShaderSource:  # fmt: skip
     """Read `path` and all it includes. Includes are looked for beside the including file, then in `search`, and must
     lie below one of those folders. `STAGE_<STAGE>` is defined to 1, then come `defines` by name, then
     `prelude`.
+
+    `texts`: contents by resolved path. What is in it is not read from the disk; what is read is put into it. So several
+    calls see the same contents, and an older state can be flattened again after the files have changed.
 
     Raises ShaderError with file, line and column for a missing file (and what was meant), a cycle, a stray #version.
     """
     if stage not in STAGES:
         raise UsageError(f"unknown shader stage {stage!r}", hint=f"choose one of {', '.join(STAGES)}")
     state = _Flattening(list(search), [folder.resolve() for folder in (*search, path.parent)])
+    if texts is not None:
+        state.texts = texts
     head = [f"#define STAGE_{stage.upper()} 1"]
     head += [f"#define {name} {value}" for name, value in sorted((defines or {}).items())]
     for number, line in enumerate(head, 1):
         state.put(line, "<defines>", number)
     if prelude:
         _add_text(state, prelude, "<prelude>", None, depth=0)
-    if not path.is_file():
+    if not state.has(path):
         raise ShaderError("there is no such shader file", where=path, hint=_did_you_mean(path.name, state.search))
     _add_file(state, path, depth=0)
     return ShaderSource(stage, "\n".join([*state.text, ""]), tuple(state.lines))
@@ -79,7 +91,7 @@ def _add_file(state: _Flattening, path: Path, depth: int) -> None:
         for line in (f"#ifndef {guard}", f"#define {guard} 1"):
             state.put(line, str(path), 1)
     state.stack.append(key)
-    _add_text(state, _read(path), str(path), path.parent, depth + bool(guard))
+    _add_text(state, _read(state, path), str(path), path.parent, depth + bool(guard))
     state.stack.pop()
     if guard:
         state.put("#endif", str(path), 1)
@@ -114,7 +126,7 @@ def _include(state: _Flattening, line: str, place: Place, folder: Path | None, d
     place = Place(place.file, place.line, line.index('"') + 1)
     found = None
     for base in ([folder] if folder is not None else []) + state.search:
-        if (base / wanted).is_file():
+        if state.has(base / wanted):
             found = base / wanted
             break
     if found is None:
@@ -133,11 +145,15 @@ def _include(state: _Flattening, line: str, place: Place, folder: Path | None, d
     _add_file(state, found, depth)
 
 
-def _read(path: Path) -> str:
+def _read(state: _Flattening, path: Path) -> str:
+    key = path.resolve()
+    if key in state.texts:
+        return state.texts[key]
     try:
         if path.stat().st_size > MAX_BYTES:
             raise ShaderError(f"a shader file has at most {MAX_BYTES >> 20} MiB", where=path)
-        return path.read_text(encoding="utf-8-sig")
+        text = state.texts[key] = path.read_text(encoding="utf-8-sig")
+        return text
     except UnicodeDecodeError as error:
         raise ShaderError(f"not UTF-8 text: {error.reason} at byte {error.start}", where=path) from error
     except OSError as error:
@@ -160,9 +176,20 @@ def _comment_goes_on(line: str, inside: bool) -> bool:
             inside, at = True, block + 2
 
 
+def _files_below(folder: Path) -> list[str]:
+    """Files by their path from `folder`; not all of a folder with very many, and none in hidden ones."""
+    found: list[str] = []
+    for base, folders, files in os.walk(folder):
+        folders[:] = sorted(name for name in folders if not name.startswith("."))
+        found += [(Path(base) / name).relative_to(folder).as_posix() for name in sorted(files)]
+        if len(found) > MAX_NAMES:
+            break
+    return found[:MAX_NAMES]
+
+
 def _did_you_mean(wanted: str, folders: Sequence[Path]) -> str:
     known: list[str] = []
     for folder in folders:
-        known += [p.relative_to(folder).as_posix() for p in sorted(folder.rglob("*")) if p.is_file()][:2000]
+        known += _files_below(folder)
     near = difflib.get_close_matches(wanted, known, 1) or [k for k in known if Path(k).name == Path(wanted).name][:1]
     return f"did you mean {near[0]!r}?" if near else ""

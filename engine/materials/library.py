@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Unpack
@@ -24,16 +24,21 @@ from engine.materials.variant import (
     compile_variant,
     let_go,
     shader_file,
+    shadowing,
 )
 
 #: of a watched file: (mtime in ns, size), None when it is not there
 Stamp = tuple[int, int] | None
 
+#: (a reloaded effect) -> further requests that must compile before it is taken over
+Further = Callable[[Effect], Iterable[tuple[Device, VariantRequest]]]
+
 
 class EffectLibrary:
     """`search`: folders with shaders (`effects/x.effect.toml`, `lib/y.glsl`); the first that has a file counts.
 
-    `compiled` counts compilations. `errors`: effect name -> why its newest files are not in use.
+    `compiled` counts compilations. `errors`: effect name -> why its newest files are not in use. While there is one,
+    new variants too are made from the last good contents of the files.
     """
 
     def __init__(self, search: Sequence[Path], *, prelude: str = "") -> None:
@@ -44,6 +49,8 @@ class EffectLibrary:
         self._effects: dict[str, Effect] = {}
         self._variants: dict[tuple[int, VariantRequest], Variant] = {}
         self._stamps: dict[Path, Stamp] = {}
+        #: effect name -> contents of the files that its variants are made from
+        self._texts: dict[str, dict[Path, str]] = {}
 
     # --- effects ---
 
@@ -55,7 +62,13 @@ class EffectLibrary:
         """The effect, loaded once. Raises InputError (did you mean) for an unknown one, ShaderError for a bad one."""
         effect = self._effects.get(name)
         if effect is None:
-            effect = self._effects[name] = self._load(name)
+            try:
+                effect = self._effects[name] = self._load(name)
+            except LucarnaError as error:
+                self._watch([*self._folders(), *candidates(self.search).values()])
+                self.errors[name] = error
+                raise
+            self.errors.pop(name, None)
             self._watch(effect.files)
         return effect
 
@@ -112,7 +125,9 @@ class EffectLibrary:
     def _variant(self, device: Device, effect: Effect | str, request: VariantRequest) -> Variant:
         key = (id(device), request)
         variant = self._variants.get(key)
-        if variant is None:
+        if variant is not None:
+            variant.asked = True
+        else:
             if isinstance(effect, Effect):
                 current = self._effects.setdefault(effect.name, effect)
                 self._watch(current.files)
@@ -122,24 +137,31 @@ class EffectLibrary:
         return variant
 
     def _new(self, device: Device, effect: Effect, request: VariantRequest) -> Variant:
+        variant = self._described(device, effect, request)
+        outcome = self._compile(device, effect, request, self._texts.setdefault(effect.name, {}))
+        self._adopt(variant, outcome)
+        return variant
+
+    @staticmethod
+    def _described(device: Device, effect: Effect, request: VariantRequest) -> Variant:
+        """A variant without pipeline, with what is known of its features."""
         active = effect.active(request.role, request.features)
         told = request.features if isinstance(request.features, FeatureSet) else FeatureSet()
-        variant = Variant(
+        return Variant(
             request, device, active,
             {name: told.reasons.get(name, "asked for") for name in active},
             absent_features(effect, request.role, request.features, told.dropped),
         )  # fmt: skip
-        outcome = self._compile(device, effect, request)
-        self._adopt(variant, outcome)
-        return variant
 
-    def _compile(self, device: Device, effect: Effect, request: VariantRequest) -> Compiled | ShaderError:
+    def _compile(
+        self, device: Device, effect: Effect, request: VariantRequest, texts: dict[Path, str]
+    ) -> Compiled | ShaderError:
         technique = effect.technique(request.role)
         wanted = [technique.vertex, technique.fragment] if technique.fragment else [technique.vertex]
         self._watch(shader_file(name, self.search) for name in wanted)
         self.compiled += 1
         try:
-            result = compile_variant(device, effect, self._with_prelude(request), self.search)
+            result = compile_variant(device, effect, self._with_prelude(request), self.search, texts=texts)
         except ShaderError as error:
             self._watch(self._folders())
             return error
@@ -164,6 +186,28 @@ class EffectLibrary:
             return
         let_go(variant)
         variant.pipeline, variant.files, variant.source_hash = outcome.pipeline, outcome.files, outcome.source_hash
+        variant.compile_ms = outcome.ms
+
+    def prepare(self, device: Device, requests: Iterable[VariantRequest]) -> ShaderError | None:
+        """Compile variants that are about to be asked for; the error of the first that does not, and nothing is kept
+        of that one. Raises InputError for a role or feature that the effect has not."""
+        for request in requests:
+            variant = self._variant(device, request.effect, request)
+            if variant.pipeline is None:
+                error = variant.error
+                let_go(variant)
+                del self._variants[id(device), request]
+                return error
+        return None
+
+    def retire(self) -> int:
+        """Let variants go that no one asked for since the last call; returns how many."""
+        idle = [key for key, variant in self._variants.items() if not variant.asked]
+        for key in idle:
+            let_go(self._variants.pop(key))
+        for variant in self._variants.values():
+            variant.asked = False
+        return len(idle)
 
     def release(self) -> None:
         """Let all pipelines go."""
@@ -173,19 +217,28 @@ class EffectLibrary:
 
     # --- hot reload ---
 
-    def poll(self) -> list[str]:
+    def changed(self) -> set[Path]:
+        """The watched files whose mtime or size is not what `poll` saw last."""
+        return {path for path, stamp in self._stamps.items() if _stamp(path) != stamp}
+
+    def invalidate(self) -> None:
+        """Make the next `poll` take all files for changed."""
+        self._stamps = dict.fromkeys(self._stamps, (-1, -1))
+
+    def poll(self, further: Further | None = None) -> list[str]:
         """Look whether files changed (mtime and size); compile aside, and return the effects that now are new ones.
 
         All variants of an effect change together, or none: when one that was good does not compile any more, or the
         effect file is wrong, the effect stays as it was and `errors` says why. After a change, ask for pipelines again,
-        and (if `get` gives another Effect) move the tables with `MaterialTable.migrate`.
+        and (if `get` gives another Effect) move the tables with `MaterialTable.migrate`. `further`: what the new effect
+        will be asked for; it must compile too.
         """
-        changed = {path for path, stamp in self._stamps.items() if _stamp(path) != stamp}
+        changed = self.changed()
         if not changed:
             return []
         for path in changed:
             self._stamps[path] = _stamp(path)
-        return [name for name in list(self._effects) if changed & self._files(name) and self._reload(name)]
+        return [name for name in list(self._effects) if changed & self._files(name) and self._reload(name, further)]
 
     def _files(self, name: str) -> set[Path]:
         effect = self._effects[name]
@@ -199,7 +252,7 @@ class EffectLibrary:
             files.add(shader_file(MAGENTA, self.search))
         if name in self.errors or any(variant.error is not None for variant in self._of(name)):
             files |= self._folders()  # what is missing may come
-        return files
+        return files.union(shadowing(files, self.search))
 
     def _folders(self) -> set[Path]:
         """The search folders and the folders in them."""
@@ -209,15 +262,16 @@ class EffectLibrary:
     def _of(self, name: str) -> list[Variant]:
         return [variant for variant in self._variants.values() if variant.request.effect == name]
 
-    def _reload(self, name: str) -> bool:
+    def _reload(self, name: str, further: Further | None) -> bool:
         old = self._effects[name]
+        texts: dict[Path, str] = {}
         try:
-            effect = load_effect(old.files[0], search=self.search)
+            effect = load_effect(candidates(self.search).get(name, old.files[0]), search=self.search)
         except LucarnaError as error:
             self.errors[name] = error
             return False
         self._watch(effect.files)
-        if effect.source_hash == old.source_hash:
+        if effect.source_hash == old.source_hash and effect.files == old.files:
             effect = old
         outcomes: list[tuple[Variant, Compiled | ShaderError]] = []
         gone: list[Variant] = []
@@ -227,10 +281,12 @@ class EffectLibrary:
             except InputError:
                 gone.append(variant)
                 continue
-            outcomes.append((variant, self._compile(variant.device, effect, variant.request)))
+            outcomes.append((variant, self._compile(variant.device, effect, variant.request, texts)))
+        new = self._further(effect, further, texts) if effect is not old else []
         bad = [(variant, out) for variant, out in outcomes if isinstance(out, ShaderError)]
         worse = [error for variant, error in bad if variant.pipeline is not None]
-        if bad:
+        worse += [out for _, out in new if isinstance(out, ShaderError)]
+        if worse or bad:
             self.errors[name] = (worse or [bad[0][1]])[0]
         else:
             self.errors.pop(name, None)
@@ -239,16 +295,36 @@ class EffectLibrary:
                 self._adopt(variant, outcome)
             else:
                 outcome.pipeline.release()
+        for (device, request), outcome in new:
+            if isinstance(outcome, ShaderError):
+                continue
+            if worse:
+                outcome.pipeline.release()
+                continue
+            variant = self._variants[id(device), request] = self._described(device, effect, request)
+            self._adopt(variant, outcome)
         if worse:
             return False
         self._effects[name] = effect
+        self._texts[name] = texts
         for variant in gone:
             let_go(variant)
         self._variants = {key: variant for key, variant in self._variants.items() if variant not in gone}
         return True
 
+    def _further(
+        self, effect: Effect, further: Further | None, texts: dict[Path, str]
+    ) -> list[tuple[tuple[Device, VariantRequest], Compiled | ShaderError]]:
+        found: dict[tuple[int, VariantRequest], tuple[tuple[Device, VariantRequest], Compiled | ShaderError]] = {}
+        for device, request in further(effect) if further is not None else ():
+            key = (id(device), request)
+            if key not in self._variants and key not in found:
+                found[key] = ((device, request), self._compile(device, effect, request, texts))
+        return list(found.values())
+
     def _watch(self, files: Iterable[Path]) -> None:
-        for path in files:
+        known = list(files)
+        for path in (*known, *shadowing(known, self.search)):
             if path not in self._stamps:
                 self._stamps[path] = _stamp(path)
 

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping, Sequence
+import time
+from collections.abc import Iterable, Iterator, Mapping, MutableMapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import TypedDict
 
 from engine.core.errors import ShaderError, UsageError
+from engine.core.toml_source import load_toml, with_caret
 from engine.gpu.preprocess import flatten
 from engine.gpu.types import (
     BlendState,
@@ -68,7 +71,8 @@ class VariantRequest:
 class Variant:
     """A cached variant. `pipeline` is the last good one; `error` says why the newest source has none.
 
-    `features`: those that are on in this role; `reasons`: why; `absent`: feature -> why it is off.
+    `features`: those that are on in this role; `reasons`: why; `absent`: feature -> why it is off. `asked`: someone
+    asked for it since EffectLibrary.retire.
     """
 
     request: VariantRequest
@@ -81,6 +85,8 @@ class Variant:
     fallback: Pipeline | None = None
     files: tuple[Path, ...] = ()
     source_hash: str = ""
+    compile_ms: float = 0.0
+    asked: bool = True
 
     @property
     def label(self) -> str:
@@ -102,19 +108,25 @@ class Compiled:
     pipeline: Pipeline
     files: tuple[Path, ...]
     source_hash: str
+    ms: float = 0.0
 
 
 def compile_variant(
-    device: Device, effect: Effect, request: VariantRequest, search: Sequence[Path], *, magenta: bool = False
-) -> Compiled:
-    """Flatten and compile. `magenta` replaces the fragment shader. Raises ShaderError with file:line:col."""
-    desc = describe(effect, request, search, magenta=magenta)
+    device: Device, effect: Effect, request: VariantRequest, search: Sequence[Path], *, magenta: bool = False,
+    texts: MutableMapping[Path, str] | None = None,
+) -> Compiled:  # fmt: skip
+    """Flatten and compile. `magenta` replaces the fragment shader; `texts` as in `flatten`.
+
+    Raises ShaderError with file:line:col."""
+    begun = time.perf_counter()
+    desc = describe(effect, request, search, magenta=magenta, texts=texts)
     digest = hashlib.sha256(desc.vertex.text.encode("utf-8"))
     digest.update(b"\0" + (desc.fragment.text if desc.fragment else "").encode("utf-8"))
     stages = (desc.vertex, desc.fragment) if desc.fragment else (desc.vertex,)
     names = dict.fromkeys(file for stage in stages for file, _ in stage.lines)
     files = tuple(path for path in (_find(name, search) for name in names) if path is not None)
-    return Compiled(device.render_pipeline(desc), files, digest.hexdigest())
+    pipeline = device.render_pipeline(desc)
+    return Compiled(pipeline, files, digest.hexdigest(), 1e3 * (time.perf_counter() - begun))
 
 
 def compile_nowhere(device: Device, request: VariantRequest) -> Pipeline:
@@ -128,8 +140,9 @@ def compile_nowhere(device: Device, request: VariantRequest) -> Pipeline:
 
 
 def describe(
-    effect: Effect, request: VariantRequest, search: Sequence[Path], *, magenta: bool = False
-) -> RenderPipelineDesc:
+    effect: Effect, request: VariantRequest, search: Sequence[Path], *, magenta: bool = False,
+    texts: MutableMapping[Path, str] | None = None,
+) -> RenderPipelineDesc:  # fmt: skip
     """All state of the variant's pipeline. Raises ShaderError when a file or an include is not there."""
     technique = effect.technique(request.role)
     features = effect.active(request.role, request.features)
@@ -138,7 +151,10 @@ def describe(
     prelude = request.prelude + effect.glsl(features)
 
     def stage(kind: str, file: str) -> ShaderSource:
-        return flatten(shader_file(file, search), kind, search=search, prelude=prelude, defines=defines)
+        path = shader_file(file, search, texts or {})
+        if not path.is_file() and path.resolve() not in (texts or {}):
+            raise _missing(effect, request.role, kind, file, search)
+        return flatten(path, kind, search=search, prelude=prelude, defines=defines, texts=texts)
 
     fragment = stage("fragment", MAGENTA if magenta else technique.fragment) if technique.fragment else None
     blend = request.blend if isinstance(request.blend, BlendState) else _blend(request.blend or technique.blend)
@@ -163,6 +179,16 @@ def describe(
     )
 
 
+def _missing(effect: Effect, role: str, kind: str, file: str, search: Sequence[Path]) -> ShaderError:
+    """The technique names a file that is in none of the folders: the place is that of the name."""
+    source = load_toml(effect.files[0])
+    place = source.place(("technique", role, kind), value=True)
+    known = [p.relative_to(folder).as_posix() for folder in search for p in sorted(folder.glob(f"*/*{Path(file).suffix}"))]
+    folders = ", ".join(map(str, search))
+    message = with_caret(f"there is no shader {file!r} in {folders}", source.text, place)
+    return ShaderError(message, where=place, hint=hint(file, known))
+
+
 def _blend(name: str) -> BlendState | None:
     if name not in BLENDS:
         raise UsageError(f"unknown blend {name!r}", hint=hint(name, BLENDS))
@@ -181,14 +207,24 @@ def absent_features(effect: Effect, role: str, wanted: frozenset[str], dropped: 
     return reasons
 
 
-def shader_file(name: str, search: Sequence[Path]) -> Path:
-    """`effects/surface.vert` in the search folders; the path in the first one when it is in none."""
-    return _find(name, search) or (Path(search[0]) / name if search else Path(name))
+def shader_file(name: str, search: Sequence[Path], texts: Mapping[Path, str] = MappingProxyType({})) -> Path:
+    """`effects/surface.vert` in the search folders; the path in the last one when it is in none. A file in `texts`
+    counts as there."""
+    return _find(name, search, texts) or (Path(search[-1]) / name if search else Path(name))
 
 
-def _find(name: str, search: Sequence[Path]) -> Path | None:
+def shadowing(files: Iterable[Path], search: Sequence[Path]) -> Iterator[Path]:
+    """Paths that would be found before `files` if they were there."""
+    for file in files:
+        for i, folder in enumerate(search):
+            if file.is_relative_to(folder):
+                yield from (before / file.relative_to(folder) for before in search[:i])
+                break
+
+
+def _find(name: str, search: Sequence[Path], texts: Mapping[Path, str] = MappingProxyType({})) -> Path | None:
     """The file of that name: as it is, or in a search folder; None for generated text."""
     for path in (Path(name), *(Path(folder) / name for folder in search)):
-        if path.is_file():
+        if path.is_file() or path.resolve() in texts:
             return path
     return None

@@ -106,6 +106,11 @@ class DrawList:
         """Whether the scene has any blended surface, seen or not: facts must not change as the camera turns."""
         return len(self._glass.row_order) > 0
 
+    @property
+    def has_solid(self) -> bool:
+        """Whether the scene has any opaque or alpha-tested surface, seen or not."""
+        return len(self._solid.row_order) > 0
+
     # --- structure ---
 
     def build(self, scene: Scene) -> bool:

@@ -137,8 +137,8 @@ class Renderer:
         background = environment.background if settings.background == "scene" else settings.background
         lit = environment.kind != "none" and env_intensity > 0.0
         facts = SceneFacts(
-            opaque=bool(self.draws.opaque),
-            transparent=bool(self.draws.has_blended),
+            opaque=self.draws.has_solid,
+            transparent=self.draws.has_blended,
             suns=self._lights.sun_count > 0,
             local_lights=self._lights.count > 0,
             environment=lit,

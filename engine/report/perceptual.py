@@ -62,3 +62,19 @@ def _pair(image: ArrayLike, reference: ArrayLike) -> tuple[NDArray[np.float64], 
     if x.shape != r.shape or x.ndim not in (2, 3) or x.size == 0:
         raise InputError(f"cannot compare images of shapes {x.shape} and {r.shape}", hint="render both at one size")
     return tuple(v.astype(np.float64) / (255.0 if v.dtype == np.uint8 else 1.0) for v in (x, r))  # type: ignore[return-value]  # two of two
+
+
+#: nine colours of the map "magma" (Smith and van der Walt 2015, CC0), evenly spaced
+_MAGMA = np.array(
+    [(0, 0, 4), (28, 16, 68), (79, 18, 123), (129, 37, 129), (181, 54, 122), (229, 80, 100), (251, 135, 97),
+     (254, 194, 135), (252, 253, 191)],
+    np.float64,
+)  # fmt: skip
+
+
+def magma(values: ArrayLike) -> NDArray[np.uint8]:
+    """Colours u1[h,w,3] of `values` [h,w] in [0, 1], dark to bright: the way FLIP maps are shown."""
+    place = np.clip(np.nan_to_num(np.asarray(values, np.float64), nan=1.0), 0.0, 1.0) * (len(_MAGMA) - 1)
+    low = np.minimum(place.astype(int), len(_MAGMA) - 2)
+    part = (place - low)[..., None]
+    return np.rint(_MAGMA[low] * (1.0 - part) + _MAGMA[low + 1] * part).astype(np.uint8)

@@ -26,16 +26,22 @@ def read_clips(
             continue
         clip = ClipAsset(name, start=float(stack["begin"]), frame_rate=float(doc.data["frame_rate"]))
         span = (float(stack["begin"]), float(stack["end"]))
+        resting: list[Channel] = []
         for node, path, times, values in stack["tracks"]:
             if node not in rows:
                 continue
             row = rows[node]
             keys = _keys(doc, times, values, span, f"{where}.{doc.names[node]}.{path}")
-            if keys is not None and not _rests(keys[1], path, nodes[row]):
-                clip.channels.append(_channel(row, path, *keys, nodes[row].name))
+            if keys is None:
+                continue
+            channel = _channel(row, path, *keys, nodes[row].name)
+            (resting if _rests(keys[1], path, nodes[row]) else clip.channels).append(channel)
         clip.channels += _weight_channels(doc, stack, span, nodes, shapes, where)
         for what in sorted(set(stack["others"])):
             doc.findings.info("fbx.animation", f"the animation of {what!r} is not imported", where)
+        if not clip.channels and len(doc.data["stacks"]) > 1:
+            # of several clips one may hold the rest pose: it brings back what the others moved
+            clip.channels = [c for c in resting if c.times[-1] > 0]
         if clip.channels:
             clips.append(clip)
         else:
@@ -43,7 +49,9 @@ def read_clips(
     return clips
 
 
-def _keys(doc: FbxDocument, times: str, values: str, span: tuple[float, float], where: str) -> tuple[Floats, Floats] | None:
+def _keys(
+    doc: FbxDocument, times: str, values: str, span: tuple[float, float], where: str
+) -> tuple[Floats, Floats] | None:
     """Times from 0, cut to the stack's span, and values f8[k,c]; None where there are none."""
     t = np.asarray(doc.array(times), np.float64)
     v = np.asarray(doc.array(values), np.float64).reshape(len(t), -1)
@@ -57,8 +65,9 @@ def _keys(doc: FbxDocument, times: str, values: str, span: tuple[float, float], 
     if end > begin:
         inside = (t > begin) & (t < end)
         ends = np.array([begin, end])
-        t, v = np.concatenate([ends[:1], t[inside], ends[1:]]), np.concatenate(
-            [_at(t, v, begin), v[inside], _at(t, v, end)]
+        t, v = (
+            np.concatenate([ends[:1], t[inside], ends[1:]]),
+            np.concatenate([_at(t, v, begin), v[inside], _at(t, v, end)]),
         )
     return t - begin, v
 

@@ -65,10 +65,11 @@ class FbxDocument:
     def _sequence(self) -> list[int]:
         """All nodes depth first."""
         children: list[list[int]] = [[] for _ in self.nodes]
-        roots = []
+        roots: list[int] = []
         for index, parent in enumerate(self.parents):
             (children[parent] if parent >= 0 else roots).append(index)
-        order, stack = [], roots[::-1]
+        order: list[int] = []
+        stack = roots[::-1]
         while stack:
             index = stack.pop()
             order.append(index)

@@ -66,7 +66,9 @@ def extract(request: dict[str, Any]) -> tuple[dict[str, Any], dict[str, NDArray[
         "up_axis": ufbx.CoordinateAxis(int(settings.original_axis_up)).name.lower(),
         "default_camera": settings.default_camera,
         "warnings": [[w.description, w.count] for w in metadata.warnings],
-        "left_out": [[what, len(getattr(scene, name))] for name, what in _LEFT_OUT.items() if len(getattr(scene, name))],
+        "left_out": [
+            [what, len(getattr(scene, name))] for name, what in _LEFT_OUT.items() if len(getattr(scene, name))
+        ],
     }
     _read_nodes(scene, out)
     out.data["meshes"] = [read_mesh(mesh, out) for mesh in scene.meshes]
@@ -133,7 +135,7 @@ def _node(node: Handle) -> dict[str, Any]:
         "name": node.name,
         "parent": _id(node.parent),
         "kind": kind,
-        "visible": node.visible,
+        "visible": node.visible or _shown(node),
         "mesh": _id(node.mesh),
         "light": _id(node.light),
         "camera": _id(node.camera),
@@ -141,6 +143,12 @@ def _node(node: Handle) -> dict[str, Any]:
         "root": node.is_root,
         "helper": "scale" if node.is_scale_helper else "geometry" if node.is_geometry_transform_helper else "",
     }
+
+
+def _shown(node: Handle) -> bool:
+    """Old files hold the visibility as a number that ufbx takes for 0."""
+    prop = node.props.find_prop("Visibility")
+    return prop is not None and float(prop.value_vec4[0]) != 0.0
 
 
 def _light(light: Handle) -> dict[str, Any]:

@@ -85,12 +85,25 @@ def _skin(skin: Handle, out: Output) -> dict[str, Any]:
         "method": method,
         "bones": [int(c.bone_node.typed_id) for c in clusters],
         "bone_from_geometry": out.put(matrices.transpose(0, 2, 1)),
+        # where the geometry stood when it was bound, by the first cluster
+        "world_from_geometry": _bind(clusters[0]) if clusters else None,
         "counts": counts,
         "vertices": out.put(_joined([array(c.vertices, np.uint32) for c in clusters], np.uint32)),
         "weights": out.put(_joined([array(c.weights, np.float64) for c in clusters], np.float64)),
         "dq_vertices": out.put(array(skin.dq_vertices, np.uint32)),
         "dq_weights": out.put(array(skin.dq_weights, np.float64)),
     }
+
+
+def _bind(cluster: Handle) -> list[list[float]]:
+    """3x4, row by row."""
+    world, local = np.eye(4), np.eye(4)
+    world[:3] = np.array(cluster.bind_to_world, np.float64).T
+    local[:3] = np.array(cluster.geometry_to_bone, np.float64).T
+    with np.errstate(over="ignore", invalid="ignore"):
+        matrix = np.nan_to_num(world @ local, posinf=0.0, neginf=0.0)
+    rows: list[list[float]] = matrix[:3].tolist()
+    return rows
 
 
 def _channel(channel: Handle, out: Output) -> dict[str, Any]:

@@ -155,7 +155,7 @@ def _with_alpha(color: Pixels | None, mask: Pixels | None, inverted: bool) -> Pi
 
 def _bytes(pixels: NDArray[np.generic]) -> Pixels:
     if pixels.dtype == np.uint16:
-        return (pixels.astype(np.uint32) // 257).astype(np.uint8)  # type: ignore[attr-defined]  # numpy's generic
+        return (pixels.astype(np.uint32) // 257).astype(np.uint8)
     if pixels.dtype == np.uint8:
         return np.asarray(pixels, np.uint8)
     out = np.full((*pixels.shape[:2], 4), 255, np.uint8)

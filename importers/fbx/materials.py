@@ -245,7 +245,12 @@ def _keep(source: _Source) -> None:
     """Keep what the effect has no word for."""
     kept: dict[str, Any] = {}
     for name, entry in source.entry["pbr"].items():
-        if name.startswith(_KEPT) and entry["has_value"] and name.endswith(("_factor", "_map")) and entry["value"][0] > 0:
+        if (
+            name.startswith(_KEPT)
+            and entry["has_value"]
+            and name.endswith(("_factor", "_map"))
+            and entry["value"][0] > 0
+        ):
             kept[name] = [float(v) for v in entry["value"][: max(entry["components"], 1)]]
     if kept:
         source.result.asset.extensions["fbx"] = kept
@@ -271,7 +276,9 @@ def _reference(source: _Source, slot: str, texture: int) -> None:
             source.doc.findings.warn("fbx.uv-set", f"uv set {name!r} is not imported; the first is used", source.where)
             reference.uv_set = 0
     if entry["matrix"] is not None and not apply_matrix(entry["matrix"], reference):
-        source.doc.findings.info("fbx.uv-transform", f"{slot}: the uv transform has shear, which is left out", source.where)
+        source.doc.findings.info(
+            "fbx.uv-transform", f"{slot}: the uv transform has shear, which is left out", source.where
+        )
     source.result.asset.textures[slot] = reference
 
 

@@ -1,7 +1,7 @@
 """Meshes: control points and per-corner attributes become vertices, split where any attribute differs.
 
-    corners ─ equal (point, normal, tangent, uv0, uv1, colour) ─> vertices ─> missing normals, tangents ─> streams
-    triangles ─ by material ─> one run of indices per material slot
+corners ─ equal (point, normal, tangent, uv0, uv1, colour) ─> vertices ─> missing normals, tangents ─> streams
+triangles ─ by material ─> one run of indices per material slot
 """
 
 from __future__ import annotations
@@ -99,10 +99,10 @@ def _note_left_out(doc: FbxDocument, mesh: Json, where: str) -> None:
 
 def _positions(doc: FbxDocument, mesh: Json, where: str) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
     positions = np.asarray(doc.array(mesh["positions"]), np.float64)
-    broken = ~(np.abs(positions) < LARGEST).all(axis=1)
+    broken: NDArray[np.bool_] = np.asarray(~(np.abs(positions) < LARGEST).all(axis=1))
     if broken.any():
         doc.findings.error(
-            "fbx.not-finite", f"{int(broken.sum()):,} of {len(broken):,} points are no numbers; their faces are left out",
+            "fbx.not-finite", f"{int(broken.sum()):,} of {len(broken):,} points are no numbers; their faces left out",
             where, "export the mesh again",
         )  # fmt: skip
         positions = np.where(broken[:, None], 0.0, positions)
@@ -119,7 +119,7 @@ def _triangles(
     outside = (points >= len(positions)).any(axis=1)
     if outside.any():
         doc.findings.error(
-            "fbx.index-range", f"{int(outside.sum()):,} triangles use points beyond the mesh's {len(positions):,}; left out",
+            "fbx.index-range", f"{int(outside.sum()):,} triangles use points beyond {len(positions):,}; left out",
             where, "export the mesh again",
         )  # fmt: skip
         corners, number, points = corners[~outside], number[~outside], points[~outside]

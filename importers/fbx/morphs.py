@@ -39,9 +39,7 @@ def read_channels(mesh: Json) -> list[Channel]:
 
 def rest_weights(channels: list[Channel]) -> list[float]:
     """The weights of all morph targets as the file has them."""
-    return [
-        float(v) for channel in channels for v in effective_weights(channel.targets, np.array([channel.weight]))[0]
-    ]
+    return [float(v) for channel in channels for v in effective_weights(channel.targets, np.array([channel.weight]))[0]]
 
 
 def effective_weights(targets: tuple[float, ...], weight: Floats) -> Floats:
@@ -75,7 +73,7 @@ def crossings(targets: tuple[float, ...], times: Floats, weight: Floats) -> Floa
 def read_morphs(doc: FbxDocument, mesh: Json, source: NDArray[np.int64], where: str) -> list[MorphTarget]:
     """The targets of all channels for vertices that copy the control points `source`."""
     points = len(doc.array(mesh["positions"]))
-    result = []
+    result: list[MorphTarget] = []
     for entry in mesh["channels"]:
         for key in entry["keys"]:
             name = str(entry["name"]) or str(key["name"]) or f"shape_{len(result)}"
@@ -97,6 +95,10 @@ def _streams(
         if len(offsets) != len(vertices):
             doc.findings.error("fbx.shape", f"{len(offsets):,} offsets for {len(vertices):,} points; left out", where)
             offsets = np.zeros((len(vertices), 3))
+        # Blender's vertex group of a shape key: how much of its offset each point takes
+        share = np.asarray(doc.array(key["weights"]), np.float64)
+        if len(share) == len(vertices):
+            offsets = offsets * np.nan_to_num(share, posinf=0.0, neginf=0.0)[:, None]
         inside = vertices < points
         if not inside.all():
             doc.findings.error("fbx.shape", f"points beyond the mesh's {points:,}; their offsets are left out", where)

@@ -16,6 +16,7 @@ from numpy.typing import DTypeLike, NDArray
 
 _KEPT: list[Any] = []
 _PLAIN = (bool, int, float, str, bytes, tuple)
+_METHOD = type(len)
 _increase = ctypes.pythonapi.Py_IncRef
 _increase.argtypes = [ctypes.py_object]
 _increase.restype = None
@@ -47,6 +48,8 @@ def wrap(value: Any) -> Any:
     """`value` itself where it is plain data, else a handle that keeps it alive."""
     if value is None or isinstance(value, _PLAIN):
         return value
+    if isinstance(value, _METHOD):
+        return lambda *arguments: wrap(value(*arguments))
     _increase(value)
     _KEPT.append(value)
     return Handle(value)

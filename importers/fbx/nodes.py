@@ -117,7 +117,7 @@ def _light(doc: FbxDocument, light: Json, distance: float, index: int) -> LightA
         else:
             asset.intensity *= max(distance, 1e-3) ** 2
             doc.findings.info(
-                "fbx.light", f"a light with decay {light['decay']!r}: its strength fits at the middle of the scene only",
+                "fbx.light", f"a light with decay {light['decay']!r}: its strength fits the middle of the scene only",
                 where, "set the decay to quadratic",
             )  # fmt: skip
     if asset.type == "spot":

@@ -7,6 +7,9 @@ import json
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from engine.animation.pose import BIND_WORLD
 from engine.assets.scene import MeshRef, NodeAsset
 from engine.core.atomic import write_text
 from engine.core.errors import FormatError, InputError, LucarnaError, Place
@@ -124,6 +127,7 @@ class _Builder:
                 if channels:
                     shapes[rows[index]] = channels
         model.clips = read_clips(doc, model.nodes, rows, shapes)
+        self._carry_skins(rows)
         if not model.meshes:
             doc.findings.warn("fbx.no-meshes", "the file has no mesh that can be drawn", hint="the scene is empty")
         model.summary |= self._summary()
@@ -159,6 +163,28 @@ class _Builder:
         channels = morphs.read_channels(mesh)
         asset.weights = morphs.rest_weights(channels)
         return channels
+
+    def _carry_skins(self, rows: dict[int, int]) -> None:
+        """Maya moves a skinned mesh with its node as well. Elsewhere, and where parents move it, joints decide."""
+        if self._doc.data["application"] != "Maya":
+            return
+        keyed = {
+            channel.node
+            for clip in self._model.clips
+            for channel in clip.channels
+            if channel.path != "weights" and (channel.values != channel.values[0]).any()
+        }
+        for index, row in rows.items():
+            asset = self._model.nodes[row]
+            if row in keyed and asset.joints:
+                skin = self._doc.meshes[self._doc.nodes[index]["mesh"]]["skins"][0]
+                bind = np.eye(4)
+                bind[:3] = skin["world_from_geometry"]
+                asset.extras[BIND_WORLD] = bind.T.reshape(-1).tolist()
+                self._doc.findings.info(
+                    "fbx.skin", "the mesh's own node is animated; it carries the skinned mesh along, as in Maya",
+                    f"nodes[{asset.name}]",
+                )  # fmt: skip
 
     def _uv_sets(self) -> list[list[str]]:
         """Per material, the names of the uv sets of the first mesh that uses it."""

@@ -53,7 +53,7 @@ def read_skin(doc: FbxDocument, mesh: Json, node: int, where: str) -> Skin | Non
         geometry[:3] = doc.array(doc.data["node_from_geometry"])[node]
         binds = np.concatenate([binds, geometry[None]])
         doc.findings.info(
-            "fbx.skin", f"{int(unmoved.sum()):,} of {points:,} points have no weight; they stay with the mesh's node", where
+            "fbx.skin", f"{int(unmoved.sum()):,} of {points:,} points have no weight; they stay with the node", where
         )  # fmt: skip
     skeleton, joints, order = _skeleton(doc, bones, node, binds)
     share = np.full(points, 1.0 if skin["method"] == "dual_quaternion" else 0.0)
@@ -69,14 +69,14 @@ def _matrices(doc: FbxDocument, name: str, count: int, where: str) -> NDArray[np
     matrices[:, :3] = np.asarray(doc.array(name), np.float64).reshape(count, 3, 4)
     bad = ~(np.abs(matrices) < 1e18).all(axis=(1, 2))
     if bad.any():
-        doc.findings.error("fbx.not-finite", f"{int(bad.sum())} bind matrices are no numbers; taken as identities", where)
+        doc.findings.error(
+            "fbx.not-finite", f"{int(bad.sum())} bind matrices are no numbers; taken as identities", where
+        )
         matrices[bad] = np.eye(4)
     return matrices
 
 
-def _influences(
-    doc: FbxDocument, skin: Json, points: int, where: str
-) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+def _influences(doc: FbxDocument, skin: Json, points: int, where: str) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
     """Clusters i8[points,k] and weights f8[points,k], the strongest first."""
     counts = np.asarray(skin["counts"], np.int64)
     vertices = doc.array(skin["vertices"]).astype(np.int64)

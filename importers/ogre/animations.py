@@ -50,7 +50,7 @@ def make_clip(
             "export skeleton and animation together",
         )  # fmt: skip
     if doubled:
-        findings.info("ogre.key-times", f"{doubled:,} keys share the time of another; the last one counts", where)
+        findings.info("ogre.key-times", f"{doubled:,} keys share the time of another: {clip.name!r} jumps there", where)
     return clip
 
 
@@ -73,13 +73,13 @@ def _append(
     times, rotation, translation, sizes = (
         np.asarray(column[usable][order], np.float64) for column in (track.times, *columns[1:])
     )
-    last = np.append(times[1:] != times[:-1], True)
-    doubled = int((~last).sum())
-    times, rotation, translation, sizes = times[last], rotation[last], translation[last], sizes[last]
+    doubled = int((times[1:] == times[:-1]).sum())
+    times, kept = _rising(times)
+    rotation, translation, sizes = rotation[kept], translation[kept], sizes[kept]
     if times[-1] < length - 1e-6 and np.isfinite(length):
         times = np.append(times, length)
         rotation, translation, sizes = (np.concatenate([a, a[:1]]) for a in (rotation, translation, sizes))
-    rotation /= np.linalg.norm(rotation, axis=1, keepdims=True)
+    rotation = rotation / np.linalg.norm(rotation, axis=1, keepdims=True)
     seconds = times.astype("<f4")
     turned = quat.multiply(rig.bind_rotation[row], rotation)
     turned /= np.linalg.norm(turned, axis=1, keepdims=True)
@@ -92,3 +92,20 @@ def _append(
     for path, keys in values.items():
         clip.channels.append(Channel(node, path, "linear", seconds, keys.astype("<f4"), name))
     return doubled
+
+
+def _rising(times: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Strictly rising times for sorted ones, and which keys they are.
+
+    Of keys at one time the first ends what comes before and the last begins what follows: the first goes one step of
+    float32 earlier, where there is room."""
+    first = np.flatnonzero(np.append(True, times[1:] != times[:-1]))
+    last = np.append(first[1:] - 1, len(times) - 1)
+    seconds = times[first].astype(np.float32)
+    before = np.nextafter(seconds, np.float32(-1))
+    earlier = np.append(np.float32(-1), seconds[:-1])
+    twice = (first != last) & (before >= 0) & (before > earlier)
+    merged = np.concatenate([seconds, before[twice]]).astype(np.float64)
+    rows = np.concatenate([last, first[twice]])
+    order = np.argsort(merged, kind="stable")
+    return merged[order], rows[order]

@@ -1,7 +1,7 @@
 """An OgreMesh becomes one MeshAsset: all geometries in one run of vertices, one submesh of ours for each of its own.
 
-    part = geometry (shared or own) -> checked -> [normals] -> [tangents] -> influences -> streams
-    indices -> range check -> plain lists -> one run per submesh
+part = geometry (shared or own) -> checked -> [normals] -> [tangents] -> influences -> streams
+indices -> range check -> plain lists -> one run per submesh
 """
 
 from __future__ import annotations
@@ -148,7 +148,7 @@ class MeshBuilder:
             part, triangles = _compact(part, triangles)
             part.normal, key = fill_normals(part.normal, part.position, triangles), (target, number)
         if wanted.normal_uv is not None:
-            part, triangles, key = self._with_tangents(part, triangles, key, number, wanted.normal_uv)
+            part, triangles, key = self._with_tangents(part, triangles, number, wanted.normal_uv)
         if part.color is not None and not wanted.color and any(w.color for w in self._wanted):
             # another submesh shows its colours; this one's material does not
             if key == target:
@@ -158,11 +158,10 @@ class MeshBuilder:
         return key, part, triangles.reshape(-1), topology
 
     def _with_tangents(
-        self, part: _Part, triangles: Indices, key: object, number: int, uv_set: int
+        self, part: _Part, triangles: Indices, number: int, uv_set: int
     ) -> tuple[_Part, Indices, object]:
+        part, triangles = _compact(part, triangles)
         if part.tangent is not None and part.tangent[:, :3].any(axis=1).all() and uv_set in part.uv:
-            part, triangles = _compact(part, triangles)
-            assert part.tangent is not None
             part.tangent[:, 3] = _handedness(part, triangles, uv_set)
             return part, triangles, (part.target, number)
         if uv_set not in part.uv:
@@ -170,10 +169,8 @@ class MeshBuilder:
                 "ogre.no-uv", f"the material's normal map wants uv set {uv_set}, which the mesh lacks",
                 f"submeshes[{number}]", "unwrap the mesh, or remove the normal map",
             )  # fmt: skip
-            part = part.gather(np.arange(len(part.position)))
             part.tangent = None
             return part, triangles, (part.target, number)
-        part, triangles = _compact(part, triangles)
         rows, tangents, triangles = tangent_frames(part.position, part.normal, part.uv[uv_set], triangles)
         part = part.gather(rows)
         part.tangent = tangents

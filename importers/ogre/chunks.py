@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import struct
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,7 +27,7 @@ class Chunks:
         self.data = data
         self.file = file
         self.position = 0
-        self.order = "<"
+        self.order: Literal["<", ">"] = "<"
         self.chunk_start = 0
         self.chunk_length = 0
 
@@ -135,7 +135,7 @@ class Chunks:
             )  # fmt: skip
         self.position = end
 
-    def records(self, number: int, body: list[tuple[str, Any]], what: str) -> NDArray[Any]:
+    def records(self, number: int, body: list[Any], what: str) -> NDArray[Any]:
         """A run of equal chunks `number` with the fixed `body` (a structured dtype), as one array of records."""
         kind = np.dtype([("id", "u2"), ("length", "u4"), *body]).newbyteorder(self.order)
         most = self.left // kind.itemsize

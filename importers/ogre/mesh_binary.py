@@ -6,6 +6,7 @@ Source: Ogre manual and the comments of its OgreMeshFileFormat header (chunk ids
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from importers.ogre.chunks import Chunks
 from importers.ogre.data import (
     OPERATIONS,
     Assignments,
+    Floats,
     Geometry,
     MorphKey,
     OgreMesh,
@@ -167,7 +169,7 @@ class _MeshReader:
         if self._version < (1, 3):
             return self._old_geometry(count, where)
         elements: list[Element] = []
-        columns: dict[tuple[int, int], tuple[Element, np.ndarray]] = {}
+        columns: dict[tuple[int, int], tuple[Element, Floats]] = {}
         while (found := c.next_id()) in (DECLARATION, BUFFER):
             c.enter(where)
             if found == DECLARATION:
@@ -181,7 +183,11 @@ class _MeshReader:
         return to_geometry(columns, self._findings, where)
 
     def _buffer(
-        self, count: int, elements: list[Element], columns: dict[tuple[int, int], tuple[Element, np.ndarray]], where: str
+        self,
+        count: int,
+        elements: list[Element],
+        columns: dict[tuple[int, int], tuple[Element, Floats]],
+        where: str,
     ) -> None:
         c, start = self._in, self._in.chunk_start
         source, stride = c.u16(f"a vertex buffer of {where}"), c.u16(f"a vertex buffer of {where}")
@@ -214,7 +220,8 @@ class _MeshReader:
                 geometry.normal = c.array("f4", count * 3, f"{where}'s normals").reshape(count, 3)
             elif found == 0x5200:
                 packed = c.array("u4", count, f"{where}'s colours")
-                geometry.color = np.stack([(packed >> s) & 0xFF for s in (24, 16, 8, 0)], 1).astype("f4") / 255
+                channels = np.stack([(packed >> s) & 0xFF for s in (24, 16, 8, 0)], 1)
+                geometry.color = channels.astype(np.float32) / np.float32(255)
             else:
                 width = c.u16(f"{where}'s uv set {number}")
                 values = c.array("f4", count * width, f"{where}'s uv set {number}").reshape(count, width)
@@ -245,7 +252,7 @@ class _MeshReader:
             where = f"poses[{len(self._mesh.poses)}]"
             name, target = c.text(f"{where}'s name"), c.u16(f"{where}'s target")
             normals = self._version >= (1, 8) and c.flag(where)
-            body = [("vertex", "u4"), ("offset", "f4", 3), *([("normal", "f4", 3)] if normals else [])]
+            body: list[Any] = [("vertex", "u4"), ("offset", "f4", 3), *([("normal", "f4", 3)] if normals else [])]
             pose = Pose(name, target, np.zeros(0, np.uint32), np.zeros((0, 3), np.float32))
             if c.next_id() == POSE_VERTEX:
                 rows = c.records(POSE_VERTEX, body, f"a vertex of {where}")

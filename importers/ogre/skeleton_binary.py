@@ -6,6 +6,8 @@ out, and says by its size whether a scale follows.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from engine.core.findings import Findings
@@ -84,7 +86,7 @@ def _animation(c: Chunks, where: str) -> SkeletonAnimation:
 
 def _track(c: Chunks, where: str) -> BoneTrack:
     bone = c.u16(f"the bone of {where}")
-    plain = [("time", "f4"), ("rotation", "f4", 4), ("translation", "f4", 3)]
+    plain: list[Any] = [("time", "f4"), ("rotation", "f4", 4), ("translation", "f4", 3)]
     columns: list[list[np.ndarray]] = [[], [], [], []]
     while c.next_id() == KEY:
         start = c.position
@@ -94,9 +96,7 @@ def _track(c: Chunks, where: str) -> BoneTrack:
         # keys with and without a scale may take turns: each run at once
         rows = c.records(KEY, [*plain, ("scale", "f4", 3)] if scaled else plain, f"a key of {where}")
         scale = rows["scale"] if scaled else np.ones((len(rows), 3), np.float32)
-        for column, values in zip(
-            columns, (rows["time"], rows["rotation"], rows["translation"], scale), strict=True
-        ):
+        for column, values in zip(columns, (rows["time"], rows["rotation"], rows["translation"], scale), strict=True):
             column.append(values)
     if not columns[0]:
         return BoneTrack(bone, *(np.zeros(shape, np.float32) for shape in (0, (0, 4), (0, 3), (0, 3))))

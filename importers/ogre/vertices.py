@@ -6,7 +6,7 @@ Source: Ogre 1.x and 13 API reference, VertexElementType and VertexElementSemant
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -64,7 +64,7 @@ class Buffer:
 
     data: bytes
     stride: int
-    order: str
+    order: Literal["<", ">"]
 
 
 def decode(element: Element, buffer: Buffer, count: int) -> Floats:
@@ -111,7 +111,7 @@ def to_geometry(elements: dict[tuple[int, int], tuple[Element, Floats]], finding
     for (semantic, index), (element, values) in sorted(elements.items()):
         if semantic == POSITION and index == 0:
             continue
-        elif semantic == NORMAL and index == 0 and values.shape[1] >= 3:
+        if semantic == NORMAL and index == 0 and values.shape[1] >= 3:
             geometry.normal = np.ascontiguousarray(values[:, :3])
         elif semantic == TANGENT and index == 0 and values.shape[1] >= 3:
             geometry.tangent = _widened(values, 4, 1.0)

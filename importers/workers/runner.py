@@ -84,7 +84,12 @@ def _wait(folder: Path, where: Path, limits: WorkerLimits, what: str) -> int:
     command = [sys.executable, "-P", "-m", "importers.workers.child", str(folder)]
     with (folder / LOG).open("wb") as log:
         process = subprocess.Popen(
-            command, stdin=subprocess.PIPE, stdout=log, stderr=log, env=environment, start_new_session=os.name == "posix"
+            command,
+            stdin=subprocess.PIPE,
+            stdout=log,
+            stderr=log,
+            env=environment,
+            start_new_session=os.name == "posix",
         )
         try:
             return process.wait(limits.seconds)

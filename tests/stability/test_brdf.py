@@ -126,7 +126,7 @@ def test_falloff_from_zero_to_infinity(probe: ShaderProbe) -> None:
     got = probe("result.x = distance_falloff(d2, reach);", "lib/lights.glsl", d2=d2, reach=reach)[:, 0]
     assert np.isfinite(got).all()
     assert (got >= 0.0).all()
-    outside = (reach > 0.0) & (d2 > (reach * 1.001) ** 2) & (d2 > 0.0)
+    outside = (reach > 0.0) & (d2 > np.maximum(reach * 1.001, 1e-15) ** 2)  # below 1e-15 m it counts as that
     assert (got[outside] == 0.0).all()
     assert got[(d2 == 1.0) & (reach == 0.0)] == 1.0
 

@@ -85,9 +85,10 @@ def test_dfg_table_between_its_texels(gl_device: Device, probe: ShaderProbe) -> 
         "result.xy = textureLod(t_probe, vec2(mu, rough), 0.0).rg;", textures={11: (table.texture, table.sampler)},
         declare="layout(binding = 11) uniform sampler2D t_probe;", mu=mu, rough=rough,
     )[:, :2]  # fmt: skip
-    error = np.abs(got - ggx.dfg(rough, mu))
-    assert error.max() < 3e-3, f"largest error {error.max():.2e}"
     table.release()
+    error = np.abs(got - ggx.dfg(rough, mu))
+    assert np.sqrt((error**2).mean()) < 1.5e-3
+    assert error.max() < 5e-3, f"largest error {error.max():.2e}"
 
 
 @pytest.mark.gl

@@ -29,6 +29,11 @@ from tests.support.stage import Stage, front_camera, surface
 
 BAD = {"nan": math.nan, "inf": math.inf, "minus_inf": -math.inf, "huge": 3e38, "minus_huge": -3e38, "denormal": 1e-40}
 SIZE = (48, 32)
+#: the debug view that shows what a texture slot gives
+VIEW_OF = {
+    "base_color_map": "base_color", "metal_rough_map": "roughness", "normal_map": "normal",
+    "occlusion_map": "occlusion", "emissive_map": "emission",
+}  # fmt: skip
 LEFT, RIGHT = (-0.8, 0.0, 0.0), (0.8, 0.0, 0.0)
 CAMERA = front_camera(1.0, 1.5)
 
@@ -116,8 +121,8 @@ def test_bad_texels_of_a_float_texture(stage: Stage, tmp_path: Path, slot: str, 
     runtime.add_instances([(runtime.scene.nodes.add("bad", -1, LEFT), mesh, 0, added)])
     assert not runtime.residency.findings.items
     assert (right_half(stage) == expected).all()
-    for view in ("base_color", "normal", "roughness", "metallic", "occlusion", "emission"):
-        sound(stage.hdr(SIZE, CAMERA, view=view))
+    if queue == "opaque":
+        sound(stage.hdr(SIZE, CAMERA, view=VIEW_OF[slot]))
 
 
 @pytest.mark.gl

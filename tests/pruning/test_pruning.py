@@ -1,0 +1,112 @@
+"""What is left out is not missed: hypothesis-made scenes, pruned and with everything forced, equal to the bit."""
+
+from __future__ import annotations
+
+from dataclasses import fields, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, Phase, given, settings
+
+from engine.math import quat
+from engine.render.facts import SceneFacts
+from engine.render.settings import DEBUG_VIEWS
+from tests.pruning.compare import pruned_equals_forced, shoot, take
+from tests.pruning.scenes import Body, SceneSpec, build, specs
+from tests.support.stage import Stage
+
+pytestmark = pytest.mark.gl
+
+BARE = SceneSpec(bodies=(Body(metallic=0.0),))
+LIT = replace(BARE, sun=2.0)
+
+#: fact -> two scenes that differ in that fact, and in no other but those named after it
+TOGGLES: dict[str, tuple[SceneSpec, SceneSpec, tuple[str, ...]]] = {
+    "opaque": (replace(LIT, bodies=()), LIT, ()),
+    "transparent": (LIT, replace(LIT, bodies=(*LIT.bodies, Body("card", 1, "transparent"))), ()),
+    "suns": (BARE, LIT, ()),
+    "local_lights": (BARE, replace(BARE, lights=("point",)), ()),
+    "environment": (BARE, replace(BARE, environment="uniform"), ()),
+    "background": (
+        replace(BARE, environment="uniform"), replace(BARE, environment="uniform", background="environment"), (),
+    ),
+    "tone_map": (LIT, replace(LIT, tone_map="agx"), ()),
+    "samples": (LIT, replace(LIT, samples=4), ()),
+    "debug_view": (LIT, replace(LIT, view="normal"), ()),
+}  # fmt: skip
+#: facts that are not of the scene: what they must do instead is tested below
+NOT_OF_THE_SCENE = {"hdr_output", "force_all"}
+
+
+@given(spec=specs)
+@settings(
+    max_examples=40, deadline=None, derandomize=True, database=None,
+    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
+    phases=[Phase.generate, Phase.shrink],
+)  # fmt: skip
+def test_random_scenes_are_bit_equal(stage: Stage, texture_folder: Path, spec: SceneSpec) -> None:
+    pruned_equals_forced(stage, spec, texture_folder)
+
+
+def test_every_fact_has_its_negative_test() -> None:
+    names = {field.name for field in fields(SceneFacts)}
+    assert names == set(TOGGLES) | NOT_OF_THE_SCENE, "a fact without a test may be switched off wrongly, unseen"
+
+
+@pytest.mark.parametrize("fact", TOGGLES)
+def test_switching_a_fact_on_changes_the_picture(stage: Stage, texture_folder: Path, fact: str) -> None:
+    off_spec, on_spec, others = TOGGLES[fact]
+    off, on = take(stage, off_spec, texture_folder), take(stage, on_spec, texture_folder)
+    changed = {f.name for f in fields(SceneFacts) if getattr(off.facts, f.name) != getattr(on.facts, f.name)}
+    assert changed == {fact, *others}
+    assert (off.color != on.color).any()
+    pruned_equals_forced(stage, off_spec, texture_folder)
+    pruned_equals_forced(stage, on_spec, texture_folder)
+
+
+@pytest.mark.parametrize("view", DEBUG_VIEWS)
+def test_every_debug_view_survives_pruning(stage: Stage, texture_folder: Path, view: str) -> None:
+    pruned_equals_forced(stage, replace(LIT, view=view, lights=("spot",)), texture_folder)
+
+
+def test_linear_output_is_made_only_for_who_asks(stage: Stage, texture_folder: Path) -> None:
+    pictures = take(stage, LIT, texture_folder)
+    assert "resolve" in {item.name for item in pictures.left_out}
+    assert np.isfinite(pictures.hdr).all()  # and was there where it was asked for
+
+
+@pytest.mark.parametrize(
+    "change", [{"lights": ("dark",)}, {"environment": "uniform", "environment_intensity": 0.0}], ids=str
+)
+def test_what_gives_no_light_is_no_fact(stage: Stage, texture_folder: Path, change: dict[str, object]) -> None:
+    """A light of intensity 0, an environment of intensity 0: the same facts, programs and picture as without."""
+    without, with_ = take(stage, BARE, texture_folder), take(stage, replace(BARE, **change), texture_folder)
+    assert without.facts == with_.facts
+    assert (without.color == with_.color).all()
+
+
+def test_turning_away_does_not_change_the_facts(stage: Stage, texture_folder: Path) -> None:
+    """Nor recompile the graph: facts are of the scene, not of what the camera happens to see."""
+    seen, unseen = (take(stage, replace(LIT, looks_away=away), texture_folder) for away in (False, True))
+    assert seen.facts == unseen.facts
+    camera = build(stage, LIT, texture_folder)
+    shoot(stage, LIT, camera, force_all=False)
+    graph = stage.runtime.renderer.graph
+    before = graph.compiles
+    for angle in np.linspace(0.0, 6.0, 7):
+        camera.world_from_camera[:3, :3] = quat.to_matrix3(quat.from_axis_angle((0, 1, 0), angle))
+        shoot(stage, LIT, camera, force_all=False)
+    assert graph.compiles == before
+
+
+def test_a_difference_is_noticed(stage: Stage, texture_folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The comparison can fail: a sky that is never needed."""
+    from engine.render.passes.sky import SkyPass
+
+    monkeypatch.setattr(SkyPass, "needs", lambda self, facts: "planted: never needed")
+    spec = replace(LIT, environment="uniform", background="environment")
+    with pytest.raises(AssertionError, match="sky"):
+        pruned_equals_forced(stage, spec, texture_folder)
+
+
