@@ -19,6 +19,7 @@ from editor.panels.viewport import ViewportPanel
 from editor.preferences import layout_path
 from editor.session import Session
 from editor.ui import Ui
+from editor.waking import waker
 from engine.core.errors import DeviceError, LucarnaError
 
 #: frames a second while nobody does anything: every event wakes the window at once
@@ -136,6 +137,7 @@ class App:
         io.config_flags &= ~imgui.ConfigFlags_.nav_enable_gamepad
         io.config_drag_click_to_input_text = True
         io.config_input_text_enter_keep_active = False
+        io.config_windows_move_from_title_bar_only = True  # a drag on the gizmo is no drag of the window
 
     def _post_init(self) -> None:
         session = self.ui.session
@@ -144,6 +146,7 @@ class App:
             io.backend_flags |= imgui.BackendFlags_.renderer_has_textures
         else:
             self._drop = file_drop.install(_glfw_window(), self._dropped)
+            session.shaders.wake = waker() or session.shaders.wake
         if session.device is None:
             session.device = session.host.open_device(attach=not self.null_platform)
 
@@ -203,22 +206,36 @@ class App:
         self.dialogs.draw(self.ui)
         if not imgui.is_any_item_active() and not imgui.is_mouse_down(imgui.MouseButton_.left):
             session.end_gesture()
+        session.keep_journal()
         self.ui.drawn += 1
         if self.frames:
             self._count_frames()
 
     def _requests(self) -> None:
         requests = self.ui.session.ui
+        if requests.copy_text:
+            imgui.set_clipboard_text(requests.copy_text)
+            requests.copy_text = ""
         if requests.quit:
             self.params.app_shall_exit = True
+        if requests.focus_panel:
+            self._show_panel(requests.focus_panel)
+            requests.focus_panel = ""
         if requests.reset_layout:
             requests.reset_layout = False
-            for window in self.params.docking_params.dockable_windows:
-                window.is_visible = True
+            for panel, window in zip(self.panels, self.params.docking_params.dockable_windows, strict=True):
+                window.is_visible = panel.opened
             self.params.docking_params.layout_reset = True
         if requests.scale_changed:
             requests.scale_changed = False
             theme.apply(self.ui.session.preferences.ui_scale)
+
+    def _show_panel(self, title: str) -> None:
+        """Open the panel of that title and bring it to the front."""
+        for panel, window in zip(self.panels, self.params.docking_params.dockable_windows, strict=True):
+            if panel.title == title:
+                window.is_visible = True
+                window.focus_window_at_next_frame = True
 
     def _count_frames(self) -> None:
         """Leave after `frames` frames that show what was asked for."""
@@ -233,6 +250,10 @@ class App:
         session = self.ui.session
         if session.job is not None:
             session.job.cancel()
+        if self.failure is not None and session.journal is not None:  # a defect must cost no edits
+            session.journal.leave()
+            session.journal = None
+        session.shaders.stop()
         session.close()
         session.remember()
 

@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from editor import camera_controls
+from editor.editing_operations import add_editing_operations
 from editor.navigation import PRESETS
 from editor.operations import Operation, Operations, always
 from editor.session import Session
@@ -175,6 +176,72 @@ def _deselect(session: Session) -> None:
         session.document.select(-1)
 
 
+def save(session: Session) -> None:
+    """The text that has the keys, else the scene."""
+    if session.code.focused:
+        session.save_code()
+    else:
+        session.save()
+
+
+def _can_save(session: Session) -> bool:
+    return session.document is not None or session.code.focused
+
+
+def _has_code(session: Session) -> bool:
+    return session.code.front is not None
+
+
+def _selected_material(session: Session) -> int:
+    """The material of the selected node's first part, or -1."""
+    document = session.document
+    if document is None or document.primary < 0:
+        return -1
+    instances = document.runtime.scene.instances
+    rows = [i for i, node in enumerate(instances.node) if int(node) == document.primary]
+    return int(instances.material[rows[0]]) if rows else -1
+
+
+def _has_material(session: Session) -> bool:
+    return _selected_material(session) >= 0
+
+
+def open_effect(session: Session) -> None:
+    """Open the files of the selected material's effect; the fragment shader is in front."""
+    material = _selected_material(session)
+    if material < 0 or session.document is None:
+        return
+    from engine.materials.variant import shader_file
+
+    residency = session.document.runtime.residency
+    effect = residency.material(material).effect
+    session.open_code(effect.files[0])
+    technique = effect.techniques.get("forward") or next(iter(effect.techniques.values()), None)
+    if technique is not None:
+        session.open_code(shader_file(technique.fragment or technique.vertex, residency.effects.search))
+
+
+def open_material(session: Session) -> None:
+    material = _selected_material(session)
+    if material >= 0 and session.document is not None:
+        path = session.document.runtime.residency.material(material).path
+        if path:
+            session.open_code(Path(path))
+        else:
+            session.ui.notice = "This material has no file"
+
+
+def _reload_shaders(session: Session) -> None:
+    session.shaders.reload(session, force=True)
+
+
+def _show_panel(title: str) -> Callable[[Session], None]:
+    def run(session: Session) -> None:
+        session.ui.focus_panel = title
+
+    return run
+
+
 def builtin_operations() -> Operations:
     """A registry with everything below."""
     ops = Operations()
@@ -196,7 +263,7 @@ def builtin_operations() -> Operations:
     add("file.open", "Open…", _ask("open_dialog"), "Ctrl+O", menu="File", about="A project, folder, scene or model")
     add("file.reload", "Reload", reload_document, "Ctrl+R", menu="File", enabled=doc)
     add("file.close", "Close", close_document, "Ctrl+W", menu="File", enabled=doc)
-    add("file.save", "Save", lambda s: void(s.save()), "Ctrl+S", menu="File", enabled=doc, separator=True)
+    add("file.save", "Save", save, "Ctrl+S", menu="File", enabled=_can_save, separator=True)
     add("file.save-as", "Save as…", _save_as, "Ctrl+Shift+S", menu="File", enabled=doc)
     add("file.screenshot", "Save viewport picture", _screenshot, "F12", menu="File", enabled=doc, separator=True)
     add("file.quit", "Quit", quit_editor, "Ctrl+Q", menu="File", separator=True)
@@ -240,6 +307,16 @@ def builtin_operations() -> Operations:
     add("play.start", "Go to start", lambda s: s.seek(0.0), menu="Playback", enabled=_can_play)
     add("play.loop", "Loop", _toggle_loop, menu="Playback", enabled=_can_play, checked=lambda s: s.playback.loop)
 
+    add("shader.editor", "Shader editor", _show_panel("Shader editor"), menu="Shaders")
+    add("shader.effect", "Open effect of the selected material", open_effect, menu="Shaders", enabled=_has_material,
+        about="Its effect file and fragment shader, as text")  # fmt: skip
+    add("shader.material", "Open file of the selected material", open_material, menu="Shaders", enabled=_has_material)
+    add("shader.save", "Save text", lambda s: void(s.save_code()), menu="Shaders", enabled=_has_code, separator=True)
+    add("shader.reload", "Reload shaders", _reload_shaders, "F5", menu="Shaders", enabled=doc,
+        about="Compile all of them again; edited files are noticed without it")  # fmt: skip
+    add("shader.next-error", "Next error", lambda s: void(s.shaders.next_problem(s)), "F8", menu="Shaders", enabled=doc)
+    add("shader.variants", "Variants", _show_panel("Variants"), menu="Shaders", separator=True)
+
     add("help.palette", "Command palette", _ask("palette"), "Ctrl+Shift+P", "F3", menu="Help")
     add("help.keys", "Keys and mouse", _ask("help"), "F1", menu="Help")
     add("help.welcome", "Welcome", _ask("welcome"), menu="Help")
@@ -248,6 +325,7 @@ def builtin_operations() -> Operations:
         first = preset == "industry"
         add(f"help.keymap-{preset}", f"Keymap: {preset}", run, menu="Help", checked=checked, separator=first)
     add("help.about", "About Lucarna", _ask("about"), menu="Help", separator=True)
+    add_editing_operations(ops)
     return ops
 
 

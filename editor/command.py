@@ -39,7 +39,7 @@ def run(args: argparse.Namespace) -> int:
             "there is no display to open a window on",
             hint="set DISPLAY, or run under xvfb-run; `lucarna render` needs none",
         )
-    from editor import preferences
+    from editor import journal, preferences
     from editor.app import App
     from editor.builtin_operations import builtin_operations
     from editor.host import EngineHost
@@ -49,6 +49,9 @@ def run(args: argparse.Namespace) -> int:
     session = Session(EngineHost(), preferences.Preferences() if picture else preferences.load())
     session.save_preferences = not picture
     session.select_on_open = args.select
+    if not picture:
+        session.recovery_folder = journal.recovery_dir()
+        session.ui.recoveries = journal.pending()
     app = App(
         session, builtin_operations(), size=size, frames=args.frames if picture else 0, remember_layout=not picture
     )

@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from editor.commands.command import Command
+from editor.commands.command import Command, Edit
 from editor.commands.history import History
+from editor.commands.structure import StructureCommand
 from editor.host import Resolved, Runtime, box_corners
 from editor.tables import make_command, tables_of
 
@@ -33,6 +34,14 @@ class Document:
         self.name = resolved.project_name or resolved.source.name
         #: (table, column, row) -> the value the user gave it: what saving adds to the scene as it was opened
         self.overrides: dict[tuple[str, str, int], Any] = {}
+        #: the scene file's content as it was opened, where `scene_path` may have been saved over since
+        self.base_path: Path | None = None
+        #: node rows that a click in the viewport does not select
+        self.locked: set[int] = set()
+        #: the rows that showed before isolating, or None
+        self.isolated: dict[int, bool] | None = None
+        #: camera bookmarks by number
+        self.bookmarks: dict[int, Any] = {}
         #: where this document was saved in this session, or None
         self.saved_to: Path | None = None
         self._bounds: dict[tuple[int, ...], tuple[NDArray[np.float64], NDArray[np.float64]]] = {}
@@ -137,7 +146,15 @@ class Document:
         """Live child rows of `row` (-1: the roots), in table order."""
         return self._children().get(row, [])
 
-    def _write(self, command: Command) -> None:
-        self.tables[command.table].write(command.column, command.rows, command.after)
-        for row, value in zip(command.rows, command.after, strict=True):
-            self.overrides[command.table, command.column, row] = value
+    def _write(self, edit: Edit) -> None:
+        if isinstance(edit, StructureCommand):
+            edit.apply(self)
+            return
+        assert isinstance(edit, Command)
+        self.tables[edit.table].write(edit.column, edit.rows, edit.after)
+        for row, value in zip(edit.rows, edit.after, strict=True):
+            key = (edit.table, edit.column, row)
+            self.overrides.pop(key, None)  # the latest comes last: "local" and its parts overlap
+            self.overrides[key] = value
+        if edit.table == "nodes":
+            self.runtime.scene.update()

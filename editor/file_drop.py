@@ -14,13 +14,19 @@ _LIBRARIES = {"linux": "libglfw.so.3", "darwin": "libglfw.3.dylib", "win32": "gl
 _CALLBACK = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_int, ctypes.POINTER(ctypes.c_char_p))
 
 
-def install(window_address: int, on_drop: Callable[[list[Path]], None]) -> Any:
-    """Call `on_drop` with the paths of every drop. Returns what must be kept alive as long as the window, or None."""
+def glfw_library() -> Path | None:
+    """The file of the library that makes the window, or None."""
     import imgui_bundle
 
     name = _LIBRARIES.get(sys.platform)
     library = Path(imgui_bundle.__file__).parent / name if name else None
-    if not window_address or library is None or not library.is_file():
+    return library if library is not None and library.is_file() else None
+
+
+def install(window_address: int, on_drop: Callable[[list[Path]], None]) -> Any:
+    """Call `on_drop` with the paths of every drop. Returns what must be kept alive as long as the window, or None."""
+    library = glfw_library()
+    if not window_address or library is None:
         return None
 
     def receive(_window: int, count: int, paths: Any) -> None:

@@ -14,7 +14,7 @@ _NAMES = {
 
 
 #: operations whose keys mean something of their own while a text field has the focus
-TEXT_FIELDS_OWN = {"edit.undo", "edit.redo"}
+TEXT_FIELDS_OWN = {"edit.undo", "edit.redo", "edit.select-all", "edit.duplicate", "edit.group"}
 
 
 def chord(shortcut: str) -> int:

@@ -15,6 +15,7 @@ SPLITS = (
     ("Left", "LeftBottom", imgui.Dir.down, 0.42),
     ("MainDockSpace", "Bottom", imgui.Dir.down, 0.27),
     ("Bottom", "BottomRight", imgui.Dir.right, 0.46),
+    ("MainDockSpace", "Code", imgui.Dir.right, 0.5),
 )
 DOCKS = ("MainDockSpace", *(split[1] for split in SPLITS))
 
@@ -26,7 +27,7 @@ def docking_params(panels: Sequence[Panel], draw: Callable[[Panel], Callable[[],
     windows = []
     for panel in panels:
         assert panel.dock in DOCKS, f"{panel.title}: no dock {panel.dock}"
-        window = hello_imgui.DockableWindow(panel.label, panel.dock, draw(panel), True, panel.closable)
+        window = hello_imgui.DockableWindow(panel.label, panel.dock, draw(panel), panel.opened, panel.closable)
         window.include_in_view_menu = False
         window.call_begin_end = panel.padded
         windows.append(window)

@@ -18,7 +18,7 @@ def always(session: Session) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class Operation:
-    """`id` is stable (`view.frame-all`). `menu`: File, Edit, View, Playback, Help, or '' for the palette only.
+    """`id` is stable (`view.frame-all`). `menu`: one of menus.MENUS, or '' for the palette only.
     `checked` makes it a toggle."""
 
     id: str

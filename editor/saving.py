@@ -71,9 +71,11 @@ def save_document(document: Document, target: Path) -> list[Path]:
 
 
 def edited_scene(runtime: Any, overrides: Mapping[tuple[str, str, int], Any]) -> SceneAsset:
-    """A copy of the runtime's scene asset with the user's values; node rows are indices into its nodes."""
-    asset: SceneAsset = copy.deepcopy(runtime.asset)
+    """A copy of the runtime's scene asset with the user's values."""
     scene = runtime.scene
+    if is_restructured(scene, runtime.asset):
+        return _restructured(scene, runtime.asset, overrides)
+    asset: SceneAsset = copy.deepcopy(runtime.asset)
     for (table, column, row), value in overrides.items():
         if table == "nodes":
             _apply_to_node(asset.nodes[row], column, value)
@@ -87,6 +89,35 @@ def edited_scene(runtime: Any, overrides: Mapping[tuple[str, str, int], Any]) ->
                 setattr(camera, column, value)
         elif table in {"environment", "look"}:
             setattr(getattr(asset, table), column, value)
+    return asset
+
+
+def is_restructured(scene: Any, base: SceneAsset) -> bool:
+    """Whether nodes were added, removed or hung elsewhere; else node rows are indices into the asset's nodes."""
+    rows = scene.row_of_node
+    if len(base.nodes) != len(rows) or not np.array_equal(rows, np.arange(len(rows))):
+        return True
+    if scene.nodes.alive_count != len(rows):
+        return True
+    return bool((np.asarray(scene.nodes.parent)[rows] != [n.parent for n in base.nodes]).any())
+
+
+def _restructured(scene: Any, base: SceneAsset, overrides: Mapping[tuple[str, str, int], Any]) -> SceneAsset:
+    """The scene as it is, except that nodes of the file that nobody moved keep the file's place, not their pose."""
+    from engine.scene.convert import parents_first
+
+    asset: SceneAsset = scene.to_asset(base)
+    index_of = {row: index for index, row in enumerate(parents_first(scene))}
+    of_file: set[int] = set()
+    for old, row in zip(base.nodes, scene.row_of_node.tolist(), strict=True):
+        if row >= 0:
+            of_file.add(row)
+            node = asset.nodes[index_of[row]]
+            node.translation, node.rotation, node.scale = old.translation, old.rotation, old.scale
+            node.matrix = old.matrix
+    for (table, column, row), value in overrides.items():
+        if table == "nodes" and row in of_file:
+            _apply_to_node(asset.nodes[index_of[row]], column, value)
     return asset
 
 

@@ -12,17 +12,23 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from editor import camera_controls, preferences, saving
 from editor.camera_controls import OrbitCamera
+from editor.code.files import CodeFiles
 from editor.document import Document
 from editor.host import Host
+from editor.journal import Journal, Recovery, discard, replay
 from editor.messages import Messages
 from editor.opening import OpenJob
 from editor.playback import Playback
 from editor.preferences import Preferences
+from editor.selecting import nodes_in_box
 from editor.thumbnails import Thumbnails
+from editor.tools import Tools
 from editor.viewport_image import ViewportImage
+from editor.watch import ShaderWatch
 from engine.core.errors import LucarnaError
 from engine.core.param import ParamBlock
 
@@ -47,6 +53,13 @@ class UiRequests:
     after_discard: Callable[[], None] | None = None
     status_hint: str = ""
     scale_changed: bool = False
+    #: sessions that died with unsaved edits, to ask about
+    recoveries: list[Recovery] = field(default_factory=list)
+    #: node row whose name the tree should edit, or -1
+    rename: int = -1
+    #: rows under the pointer to choose from
+    pick_list: tuple[int, ...] = ()
+    copy_text: str = ""
 
 
 @dataclass(slots=True)
@@ -64,11 +77,17 @@ class Session:
     image: ViewportImage = field(default_factory=ViewportImage)
     thumbnails: Thumbnails = field(default_factory=Thumbnails)
     ui: UiRequests = field(default_factory=UiRequests)
+    code: CodeFiles = field(default_factory=CodeFiles)
+    shaders: ShaderWatch = field(default_factory=ShaderWatch)
     width: int = 1280
     height: int = 720
     save_preferences: bool = True
     #: the user is dragging something, or time runs: pictures should come soon rather than sharp
     interacting: bool = False
+    tools: Tools = field(default_factory=Tools)
+    #: where edits are journalled; None: nowhere
+    recovery_folder: Path | None = None
+    journal: Journal | None = None
     #: name of a node to select when a document opens
     select_on_open: str = ""
     #: the last thing the user asked for that could not be done
@@ -85,7 +104,9 @@ class Session:
         self._start(path)
 
     def poll(self) -> None:
-        """Once a frame: take over what a finished job found. The present document stays until the next one is good."""
+        """Once a frame: take over what a finished job found, and files that were edited. The present document stays
+        until the next one is good."""
+        self.shaders.poll(self)
         job = self.job
         if job is None or not job.done:
             return
@@ -97,7 +118,8 @@ class Session:
         else:
             try:
                 with self.device_frame():
-                    runtime = self.host.open_runtime(self.device, job.result.scene)
+                    root = shader_root(job.result)
+                    runtime = self.host.open_runtime(self.device, job.result.scene, root)
             except LucarnaError as error:
                 self.messages.findings(job.result.findings)
                 self.fail(error)
@@ -126,16 +148,61 @@ class Session:
             document.select(list(scene.nodes.name).index(self.select_on_open))
         self.preferences.add_recent(document.source)
         self.remember()
+        self._start_journal(document)
 
     def close(self) -> None:
         """Close the open document, if any, without asking."""
         if self.document is not None:
+            if self.journal is not None:
+                self.journal.finish()
+                self.journal = None
+            self.tools.forget()
             self.image.forget()
             with self.device_frame():
                 self.thumbnails.forget()
                 self.document.close()
             self.document = None
             self.playback = Playback()
+
+    def _start_journal(self, document: Document) -> None:
+        if self.recovery_folder is None:
+            return
+        try:
+            self.journal = Journal(document, self.recovery_folder)
+        except OSError as error:
+            self.messages.warn(f"Edits are not kept for a recovery: {error}", where=str(self.recovery_folder))
+
+    def keep_journal(self) -> None:
+        """Once a frame: snapshots, and a word when the journal cannot be written."""
+        if self.journal is not None and not self.interacting:
+            self.journal.tick()
+            if self.journal.problem:
+                self.messages.warn(f"Edits are no longer kept for a recovery: {self.journal.problem}")
+                self.journal.leave()
+                self.journal = None
+
+    def recover(self, recovery: Recovery) -> bool:
+        """Open what a session that died had open and do its edits again. False when not all of it could be."""
+        try:
+            resolved = recovery.resolved()
+            with self.device_frame():
+                runtime = self.host.open_runtime(self.device, resolved.scene, recovery.base)
+        except LucarnaError as error:
+            self.fail(error)
+            return False
+        document = Document(resolved, runtime)
+        document.base_path = recovery.base
+        self.adopt(document)
+        try:
+            replay(document, recovery.path)
+        except LucarnaError as error:
+            self.fail(error)
+            return False
+        document.base_path = None
+        discard(recovery.path)
+        edits = len(document.history.entries)
+        self.ui.notice = f"{edits} edit{'s' if edits != 1 else ''} restored"
+        return True
 
     def fail(self, error: LucarnaError) -> None:
         """Log an error and show it in the bar; nothing else changes."""
@@ -221,6 +288,44 @@ class Session:
         self.messages.info(self.ui.notice, where=str(target))
         return True
 
+    # --- shaders ---
+
+    def open_code(self, path: Path, line: int = 0, column: int = 0) -> None:
+        """Show a file in the shader editor, at a place; a file that cannot be read is an error in the log."""
+        try:
+            self.code.open(path, line, column)
+        except LucarnaError as error:
+            self.fail(error)
+            return
+        self.ui.focus_panel = "Shader editor"
+
+    def save_code(self) -> bool:
+        """Save the text in front and bring it to the screen; True when it was written."""
+        document = self.code.front
+        if document is None:
+            return False
+        try:
+            written = document.save()
+        except LucarnaError as error:
+            self.fail(error)
+            return False
+        if document.conflict:
+            self.ui.notice = f"{document.name} was changed elsewhere too"
+        if written:
+            self.shaders.reload(self, force=False)
+        return written
+
+    def copy_code_into_project(self) -> None:
+        """Put a copy of the built-in file in front into the project, and edit that."""
+        if self.document is None or self.code.front is None:
+            return
+        try:
+            copy = self.code.copy_into(self.code.front, shader_root(self.document))
+        except LucarnaError as error:
+            self.fail(error)
+            return
+        self.messages.info(f"Copied {copy.name} into the project", where=str(copy.path))
+
     # --- looking ---
 
     @property
@@ -290,8 +395,41 @@ class Session:
         except LucarnaError as error:
             self.messages.error(error)
             return -1
+        if row in self.document.locked:
+            row = next((r for r, _point in self.hits(u, v) if r not in self.document.locked), -1)
         self.document.select(row, toggle=toggle)
         return row
+
+    def hits(self, u: float, v: float) -> list[tuple[int, NDArray[np.float64]]]:
+        """Every node under (u, v) with the point (world) where it is hit, the nearest first."""
+        if self.document is None or self.image.frame is None:
+            return []
+        try:
+            return self.document.runtime.pick_hits(self.view(), u * self.width, v * self.height)
+        except LucarnaError as error:
+            self.messages.error(error)
+            return []
+
+    def pick_through(self, u: float, v: float) -> None:
+        """Let the user choose among all that lies under (u, v)."""
+        self.ui.pick_list = tuple(row for row, _point in self.hits(u, v))
+
+    def measure(self, u: float, v: float) -> None:
+        """Take the point under (u, v) as the next end of the measure."""
+        found = self.hits(u, v)
+        if not found:
+            self.ui.notice = "Nothing there to measure"
+            return
+        self.tools.measure(found[0][1])
+
+    def select_box(self, low: tuple[float, float], high: tuple[float, float], *, add: bool = False) -> None:
+        """Select every drawn node whose middle lies in the rectangle (u, v) .. (u, v); lights and cameras too."""
+        document = self.document
+        if document is None:
+            return
+        rows = nodes_in_box(document, self.camera, low, high, self.aspect)
+        kept = document.selection if add else ()
+        document.selection = tuple(dict.fromkeys((*kept, *rows)))
 
     def tick(self, seconds: float) -> None:
         """Advance the clock by wall time."""
@@ -354,3 +492,12 @@ class Session:
         self.ui.welcome = False
         self.messages.info(f"Opening {path.name}", where=str(path))
         self.job = OpenJob(self.host, path)
+
+
+def shader_root(opened: Any) -> Path:
+    """The folder whose effects and shaders go before the built-in ones, of a resolved path or a document: the
+    project's, else that of the file itself."""
+    if opened.project_root is not None:
+        return Path(opened.project_root)
+    source: Path = opened.source
+    return source if source.is_dir() else source.parent

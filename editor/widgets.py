@@ -115,6 +115,16 @@ def property_row(label: str, doc: str = "", *, changed: bool = False) -> None:
     imgui.set_next_item_width(-1)
 
 
+def cut(value: str, width: float) -> str:
+    """`value`, or as much of its start as fits into `width` imgui units, with an ellipsis."""
+    if imgui.calc_text_size(value).x <= width:
+        return value
+    letters = len(value)
+    while letters > 1 and imgui.calc_text_size(f"{value[:letters]}…").x > width:
+        letters -= max(1, letters // 20)
+    return f"{value[:letters]}…"
+
+
 def fitted(value: str, width: float) -> str:
     """`value`, or as much of its both ends as fits into `width` imgui units, with an ellipsis between."""
     if imgui.calc_text_size(value).x <= width:

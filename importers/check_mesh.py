@@ -13,6 +13,8 @@ from importers.geometry.topology import zero_area
 
 #: A unit vector stored as snorm16 is this near to length 1; anything below is no direction.
 SHORTEST_UNIT = 0.5
+#: Every mesh from a modeller has a few triangles without area; beyond this part of all it is worth a word.
+ZERO_AREA_PART = 0.05
 #: Weights are unorm16 and sum to 65535; each of eight may be rounded by half.
 WEIGHT_SLACK = 8
 
@@ -54,24 +56,17 @@ def _check_directions(mesh: MeshAsset, name: str, path: str, findings: Findings)
 
 def _check_triangles(mesh: MeshAsset, name: str, path: str, findings: Findings) -> None:
     runs = [
-        mesh.indices[s.first_index : s.first_index + s.index_count]
-        for s in mesh.submeshes
-        if s.topology == "triangles"
+        mesh.indices[s.first_index : s.first_index + s.index_count] for s in mesh.submeshes if s.topology == "triangles"
     ]
     indices = np.concatenate(runs).reshape(-1, 3) if runs else np.zeros((0, 3), np.uint32)
     if len(indices) == 0:
         return
     thin = zero_area(np.asarray(mesh.streams["position"], np.float32), indices)
-    if not thin.any():
-        return
-    text = f"{name}: {_count(thin)} of {len(indices):,} triangles have no area"
-    if thin.mean() > 0.01:
+    if thin.mean() > ZERO_AREA_PART:
         findings.warn(
-            "number.zero-area", text, path,
+            "number.zero-area", f"{name}: {_count(thin)} of {len(indices):,} triangles have no area", path,
             "merge vertices by distance and dissolve degenerate faces; they cost time and show nothing",
         )  # fmt: skip
-    else:
-        findings.info("number.zero-area", text, path, "harmless; dissolve degenerate faces to be rid of them")
 
 
 def _check_skin(mesh: MeshAsset, name: str, path: str, findings: Findings) -> None:

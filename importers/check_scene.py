@@ -1,4 +1,4 @@
-"""What is numerically wrong with a scene: transforms, sizes, lights, cameras, materials, clips. Reports; changes nothing.
+"""What is numerically wrong with a scene: transforms, sizes, lights, cameras, materials, clips. Changes nothing.
 
 Every finding names the node or material, where it is in the file, and what to do. Errors are what cannot be shown as
 it was meant; warnings will be seen or cost something; the rest is information.
@@ -30,8 +30,12 @@ from importers.light_inside import is_inside
 
 F8 = NDArray[np.float64]
 
+#: what loading says about transforms, which is said here with more detail
+ALREADY_SAID = ("scene.number", "scene.rotation", "scene.matrix")
 #: Metres: a whole scene outside of these was surely made in other units.
 SMALLEST_SCENE, LARGEST_SCENE = 1e-3, 1e5
+#: Beyond this a number does not fit the GPU's float32 squared.
+LARGEST_NUMBER = 1e18
 #: Squashed by more than this, a body is flat to float32.
 FLATTEST = 1e-7
 #: far : near beyond which a depth buffer of 24 bits, not reversed, shows far surfaces through each other
@@ -55,7 +59,9 @@ def check_scene_numbers(parts: SceneParts, findings: Findings) -> None:
     """Add all numeric findings about the scene to `findings`."""
     _check_nodes(parts, findings)
     scene = Scene.from_asset(parts.scene)
-    for finding in scene.findings:  # what loading mends: lights, cameras, numbers
+    for finding in scene.findings:  # what loading mends: lights, cameras
+        if finding.code in ALREADY_SAID:
+            continue
         findings.add(finding.severity, finding.code, finding.message, finding.where.path, finding.hint)
     seen: dict[int, str] = {}
     for index, mesh in enumerate(parts.meshes):
@@ -149,7 +155,7 @@ def _check_sizes(parts: SceneParts, scene: Scene, boxes: dict[int, tuple[F8, F8]
         if mesh is None:
             continue
         linear = _world(scene, index)[:3, :3]
-        if not np.isfinite(linear).all() or index not in boxes:
+        if np.abs(linear).max() > LARGEST_NUMBER or index not in boxes:
             findings.error(
                 "number.scale", f"node {node.name!r}: its world transform is beyond all bounds", f"nodes[{index}]",
                 "look for huge scales in the nodes above it",
@@ -163,7 +169,8 @@ def _check_sizes(parts: SceneParts, scene: Scene, boxes: dict[int, tuple[F8, F8]
             )  # fmt: skip
     if not boxes:
         return
-    size = float(np.linalg.norm(np.max([b[1] for b in boxes.values()], 0) - np.min([b[0] for b in boxes.values()], 0)))
+    # the longest side, not the diagonal: squares of 1e300 overflow
+    size = float((np.max([b[1] for b in boxes.values()], 0) - np.min([b[0] for b in boxes.values()], 0)).max())
     if size < SMALLEST_SCENE or size > LARGEST_SCENE:
         findings.warn(
             "number.units", f"the whole scene is {size:.3g} m across", "nodes",

@@ -136,7 +136,7 @@ def _write_mesh(
 
 
 def _unique(values: NDArray[np.float64], digits: int) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """The different rows in the order of their first use, at the precision they are written with; and which is where."""
+    """The different rows in the order of their first use, as precise as they are written; and which is where."""
     rounded = np.round(values, digits) + 0.0  # -0 becomes 0
     _, first, inverse = np.unique(rounded, axis=0, return_index=True, return_inverse=True)
     order = np.argsort(first, kind="stable")

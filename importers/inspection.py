@@ -24,8 +24,12 @@ from importers.settings import ImportSettings
 Description = dict[str, Any]
 
 
-def describe(path: Path, settings: ImportSettings) -> tuple[Description, Findings]:
-    """Describe `path`. Raises InputError or FormatError where it cannot be read."""
+def describe(
+    path: Path, settings: ImportSettings, *, scene: Path | None = None, features: tuple[str, ...] = ()
+) -> tuple[Description, Findings]:
+    """Describe `path`; `scene`, `features` are for effects (see effect_inspection).
+
+    Raises InputError or FormatError where it cannot be read."""
     if not path.is_file():
         from importers.gltf.uris import similar_name_hint
 
@@ -50,7 +54,9 @@ def describe(path: Path, settings: ImportSettings) -> tuple[Description, Finding
     elif kind == "texture":
         body = _texture(path)
     elif kind == "effect":
-        body = _effect(path)
+        from importers.effect_inspection import describe_effect
+
+        body = describe_effect(path, scene=scene, features=features)
     else:
         importer = find_importer(path)
         model = importer.load(path, settings)
@@ -210,16 +216,3 @@ def _texture(path: Path) -> Description:
         "mips": texture.mip_count, "cube": texture.cube, "data_bytes": texture.byte_size,
         "extras": sorted(texture.extras),
     }  # fmt: skip
-
-
-def _effect(path: Path) -> Description:
-    from engine.materials.effect import load_effect
-
-    effect = load_effect(path)
-    return {
-        "name": effect.name,
-        "features": sorted(effect.features),
-        "params": [f"{p.name}: {p.type} = {p.default}" for p in effect.params],
-        "textures": [slot.name for slot in effect.textures],
-        "techniques": sorted(effect.techniques),
-    }

@@ -10,22 +10,23 @@ from engine.math.transform import inverse_affine
 
 #: slightly skew, so that rays do not run along the edges of boxes
 DIRECTIONS = np.array(
-    [[1, 0.013, 0.007], [-1, 0.011, -0.005], [0.009, 1, 0.012], [-0.006, -1, 0.014], [0.008, -0.011, 1], [0.012, 0.006, -1]]
+    [
+        [1.0, 0.013, 0.007], [-1.0, 0.011, -0.005], [0.009, 1.0, 0.012],
+        [-0.006, -1.0, 0.014], [0.008, -0.011, 1.0], [0.012, 0.006, -1.0],
+    ]
 )  # fmt: skip
 #: Of the six rays so many must meet a back first: a hole or an open end may let one go.
 ENOUGH = 5
 
 
 def is_inside(point_ws: NDArray[np.float64], mesh: MeshAsset, world_from_mesh: NDArray[np.float64]) -> bool:
-    """Whether `point_ws` f8[3] is enclosed by the mesh's outward-facing triangles. A room, whose walls face inward, does
-    not count: a lamp belongs there.
+    """Whether `point_ws` f8[3] is enclosed by the mesh's outward-facing triangles. A room does not count, as its walls
+    face inward: a lamp belongs there.
 
     Ray and triangle after Moeller and Trumbore 1997, "Fast, Minimum Storage Ray/Triangle Intersection", section 2.
     """
     runs = [
-        mesh.indices[s.first_index : s.first_index + s.index_count]
-        for s in mesh.submeshes
-        if s.topology == "triangles"
+        mesh.indices[s.first_index : s.first_index + s.index_count] for s in mesh.submeshes if s.topology == "triangles"
     ]
     if not runs:
         return False

@@ -133,7 +133,7 @@ def _part(geometry: Geometry, text: str) -> Geometry:
 
 def _conventions(unit: float, up: str) -> list[tuple[str, F8]]:
     """What may bring a truth file to metres and +Y up; first what the FBX file declares."""
-    turn = _Y_FROM_Z if up == "positive_z" else np.eye(3)
+    turn = _Y_FROM_Z if up == "+z" else np.eye(3)
     listed = [("as declared", unit * turn)]
     for scale_name, scale in (("file units", unit), ("metres", 1.0), ("centimetres", 0.01), ("inches", 0.0254)):
         listed += [(f"{scale_name}, +Y up", scale * np.eye(3)), (f"{scale_name}, +Z up", scale * _Y_FROM_Z)]
@@ -148,7 +148,7 @@ def read_vertices(text: str) -> F8:
     for line in text.splitlines():
         if line.startswith("f "):
             used |= {int(word.split("/")[0]) for word in line.split()[1:]}
-    rows = [i - 1 if i > 0 else len(values) + i for i in sorted(used)]
+    rows = sorted({i - 1 if i > 0 else len(values) + i for i in used})
     return values[rows] if rows else values
 
 

@@ -1,5 +1,6 @@
-"""Edits as values: what changed in which table column, and the history of it. Imports the standard library only.
+"""Edits as values, and the history of them. No imgui, no GPU.
 
-command.py   Command(table, column, rows, before, after): can be inverted, merged, printed
-history.py   History: do, undo, redo; a drag becomes one entry; knows whether the document is dirty
+command.py    Command(table, column, rows, before, after): can be inverted, merged, printed
+structure.py  StructureCommand(patch): nodes added, removed, hung elsewhere; restores the tables row by row
+history.py    History: do, undo, redo, go to; a drag becomes one entry; tells a listener (the journal) what happened
 """

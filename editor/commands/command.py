@@ -3,7 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Protocol
+
+
+class Edit(Protocol):
+    """What the history keeps: a Command, or another kind of change with the same surface."""
+
+    @property
+    def target(self) -> tuple[str, str, tuple[int, ...]]: ...
+    @property
+    def changes(self) -> bool: ...
+    def inverse(self) -> Edit: ...
+    def followed_by(self, later: Any) -> Edit: ...
+    def describe(self) -> str: ...
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,27 +4,32 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable
 
-from editor.commands.command import Command
+from editor.commands.command import Edit
+
+#: (what: do | undo | redo | end | saved, the edit of a `do`, its gesture)
+Listener = Callable[[str, Edit | None, Hashable | None], None]
 
 
 class History:
     """Applies commands through `write` and remembers them.
 
-    Commands with the same `gesture` token and the same target, made before `end_gesture()`, are one entry: a drag of
+    Edits with the same `gesture` token and the same target, made before `end_gesture()`, are one entry: a drag of
     three hundred frames is one undo. Two drags are never merged. A gesture that ends where it began leaves no entry.
     """
 
-    def __init__(self, write: Callable[[Command], None], limit: int = 1000) -> None:
+    def __init__(self, write: Callable[[Edit], None], limit: int = 1000) -> None:
         self._write = write
         self._limit = limit
-        self._done: list[Command] = []
-        self._undone: list[Command] = []
+        self._done: list[Edit] = []
+        self._undone: list[Edit] = []
         self._gesture: Hashable | None = None
         self._saved: int | None = 0
+        #: told of everything after it happened, so that it can be written down
+        self.listener: Listener | None = None
         #: grows with every write to the document, undo and redo too: a cheap "did anything change"
         self.revision = 0
 
-    def do(self, command: Command, gesture: Hashable | None = None) -> None:
+    def do(self, command: Edit, gesture: Hashable | None = None) -> None:
         """Apply `command`; what `write` raises comes through and leaves the history as it was."""
         merges = gesture is not None and gesture == self._gesture and self._done[-1].target == command.target
         if not command.changes:
@@ -35,6 +40,7 @@ class History:
             self._done[-1] = self._done[-1].followed_by(command)
             if self._saved == len(self._done):
                 self._saved = None
+            self._tell("do", command, gesture)
             return
         self._settle()
         if self._saved is not None and self._saved > len(self._done):
@@ -46,12 +52,15 @@ class History:
             del self._done[0]
             if self._saved is not None:
                 self._saved = self._saved - 1 if self._saved > 0 else None
+        self._tell("do", command, gesture)
 
     def end_gesture(self) -> None:
         """The pointer was let go: the next edit starts an entry of its own."""
-        self._settle()
+        if self._gesture is not None:
+            self._settle()
+            self._tell("end")
 
-    def undo(self) -> Command | None:
+    def undo(self) -> Edit | None:
         """Take back the last entry and return it, or None when there is none."""
         self._settle()
         if not self._done:
@@ -60,9 +69,10 @@ class History:
         self._write(command.inverse())
         self.revision += 1
         self._undone.append(self._done.pop())
+        self._tell("undo")
         return command
 
-    def redo(self) -> Command | None:
+    def redo(self) -> Edit | None:
         self._settle()
         if not self._undone:
             return None
@@ -70,7 +80,16 @@ class History:
         self._write(command)
         self.revision += 1
         self._done.append(self._undone.pop())
+        self._tell("redo")
         return command
+
+    def go_to(self, count: int) -> None:
+        """Undo or redo until `count` entries are done (0: as it was opened)."""
+        self._settle()
+        while len(self._done) > max(count, 0) and self.undo() is not None:
+            pass
+        while len(self._done) < count and self.redo() is not None:
+            pass
 
     @property
     def undo_label(self) -> str:
@@ -82,8 +101,18 @@ class History:
         return self._undone[-1].describe() if self._undone else ""
 
     @property
-    def entries(self) -> tuple[Command, ...]:
+    def entries(self) -> tuple[Edit, ...]:
         return tuple(self._done)
+
+    @property
+    def undone(self) -> tuple[Edit, ...]:
+        """What redo would do again, the next first."""
+        return tuple(reversed(self._undone))
+
+    @property
+    def saved_at(self) -> int | None:
+        """How many entries were done when the document was saved, or None when that state cannot be reached."""
+        return self._saved
 
     @property
     def dirty(self) -> bool:
@@ -93,6 +122,11 @@ class History:
     def mark_saved(self) -> None:
         self._settle()
         self._saved = len(self._done)
+        self._tell("saved")
+
+    def _tell(self, what: str, command: Edit | None = None, gesture: Hashable | None = None) -> None:
+        if self.listener is not None:
+            self.listener(what, command, gesture)
 
     def _settle(self) -> None:
         if self._gesture is None:

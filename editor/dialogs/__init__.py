@@ -15,7 +15,7 @@ class Dialogs:
     """All of them, with their state."""
 
     def __init__(self) -> None:
-        from editor.dialogs import cards, files, modals, palette
+        from editor.dialogs import cards, files, modals, palette, pick_list, recovery
 
         self.parts = (
             files.FileDialog(saving=False),
@@ -26,6 +26,8 @@ class Dialogs:
             cards.HelpCard(),
             cards.AboutCard(),
             palette.Palette(),
+            recovery.RecoveryModal(),
+            pick_list.PickList(),
             modals.Notice(),
         )
 

@@ -17,6 +17,8 @@ class Panel(ABC):
     #: whether the window keeps the usual space to its border
     padded: ClassVar[bool] = True
     closable: ClassVar[bool] = True
+    #: whether it is there before anyone asked for it
+    opened: ClassVar[bool] = True
 
     @property
     def label(self) -> str:

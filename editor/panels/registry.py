@@ -6,7 +6,10 @@ import importlib
 
 from editor.panels.base import Panel
 
-PANELS = ("scene_tree", "assets", "viewport", "inspector", "render_settings", "log", "timings")
+PANELS = (
+    "scene_tree", "assets", "viewport", "inspector", "render_settings", "log", "timings", "variants", "shader_editor",
+    "history", "frame_graph", "texture_viewer",
+)  # fmt: skip
 
 
 def make_panels() -> list[Panel]:

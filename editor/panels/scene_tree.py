@@ -1,4 +1,5 @@
-"""Scene: the tree of nodes. Click selects, Ctrl+click adds, double click frames, the eye hides."""
+"""Scene: the tree of nodes. Click selects, Ctrl+click adds, Shift+click takes all between, double click frames, a drag
+hangs nodes below another, F2 renames, the eye hides."""
 
 from __future__ import annotations
 
@@ -8,6 +9,7 @@ from imgui_bundle import imgui
 
 from editor import icons, theme
 from editor.document import Document
+from editor.editing_operations import reparent
 from editor.panels.base import Panel
 from editor.panels.tree_rows import UNFOLD_LIMIT, TreeRow, ancestors, kinds, matching_rows, visible_rows
 from editor.ui import Ui
@@ -20,6 +22,15 @@ KIND_ICONS = {
     "group": (icons.GROUP, theme.DIM),
     "": (icons.EMPTY, theme.FAINT),
 }
+
+
+#: operations of a row's context menu; "" is a line between
+MENU = (
+    "view.frame", "edit.isolate", "", "edit.rename", "edit.duplicate", "edit.group", "edit.unparent", "edit.delete", "",
+    "edit.hide", "edit.show-all", "edit.lock", "", "edit.select-parent", "edit.select-children",
+)  # fmt: skip
+#: what a dragged row carries: the row
+PAYLOAD = "node"
 
 
 class SceneTreePanel(Panel):
@@ -36,6 +47,9 @@ class SceneTreePanel(Panel):
         self._rows: list[TreeRow] = []
         self._kinds: dict[int, str] = {}
         self._fold_rev = 0
+        self._renaming = -1
+        self._name = ""
+        self._focus_name = False
 
     def draw(self, ui: Ui) -> None:
         document = ui.session.document
@@ -43,6 +57,10 @@ class SceneTreePanel(Panel):
             empty_state(icons.TREE, "No scene is open", "Ctrl+O opens one")
             return
         self._follow(document)
+        if ui.session.ui.rename >= 0:
+            self._renaming, ui.session.ui.rename = ui.session.ui.rename, -1
+            self._name, self._focus_name = str(document.runtime.scene.nodes.name[self._renaming]), True
+            imgui.set_window_focus()
         self.needle = search_field("##search", self.needle, f"{icons.SEARCH}  Search nodes")
         self._collect(document)
         flags = imgui.TableFlags_.scroll_y | imgui.TableFlags_.row_bg | imgui.TableFlags_.no_saved_settings
@@ -59,6 +77,7 @@ class SceneTreePanel(Panel):
                 for i in range(clipper.display_start, clipper.display_end):
                     self._row(ui, document, self._rows[i], scroll=i == scroll_to)
             imgui.end_table()
+            self._drop_on_rest(ui)
         imgui.pop_style_var()
         if not self._rows and self.needle:
             text(f"Nothing is called “{self.needle}”", theme.DIM)
@@ -70,6 +89,7 @@ class SceneTreePanel(Panel):
             nodes = document.runtime.scene.nodes
             few = len(nodes.name) <= UNFOLD_LIMIT
             self.unfolded = set(range(len(nodes.name))) if few else set(document.children_of(-1)[:1])
+            self._renaming = -1
             self._rows_key = None
         if document.selection != self._selection:
             for row in document.selection:
@@ -106,11 +126,15 @@ class SceneTreePanel(Panel):
             | imgui.SelectableFlags_.span_all_columns
         )
         if imgui.selectable(f"##{name}-{row}", selected, flags, (0, imgui.get_frame_height() * 0.92))[0]:
-            document.select(row, toggle=imgui.get_io().key_ctrl)
+            if imgui.get_io().key_shift and document.primary >= 0:
+                self._select_between(document, document.primary, row)
+            else:
+                document.select(row, toggle=imgui.get_io().key_ctrl)
             self._selection = document.selection
             if imgui.is_mouse_double_clicked(imgui.MouseButton_.left):
                 ui.operations.run("view.frame", ui.session)
         hovered = imgui.is_item_hovered()
+        self._drag(ui, document, row, name)
         self._menu(ui, document, row)
         imgui.same_line(start + item.depth * em(0.95))
         imgui.align_text_to_frame_padding()
@@ -120,13 +144,81 @@ class SceneTreePanel(Panel):
         icon, color = KIND_ICONS[self._kinds.get(row) or ("group" if item.has_children else "")]
         text(icon, color if shown else theme.FAINT)
         imgui.same_line(0, em(0.35))
-        text(fitted(name, imgui.get_content_region_avail().x), theme.TEXT if shown else theme.FAINT)
+        if row == self._renaming:
+            self._rename_field(ui, document, row)
+        else:
+            if row in document.locked:
+                text(icons.LOCKED, theme.FAINT)
+                imgui.same_line(0, em(0.3))
+            text(fitted(name, imgui.get_content_region_avail().x), theme.TEXT if shown else theme.FAINT)
         imgui.table_next_column()
         own = bool(nodes.visible[row])
         color = theme.FAINT if not own else theme.DIM if hovered or selected else theme.rgb("#565c66")
         if bare_button(f"{icons.VISIBLE if own else icons.HIDDEN}###eye{row}", color):
             rows = document.selection if row in document.selection else (row,)
             ui.session.set_visible(rows, not own)
+
+    def _select_between(self, document: Document, a: int, b: int) -> None:
+        """Everything from row `a` to row `b` as the tree shows it; `b` becomes the last selected."""
+        shown = [r.row for r in self._rows]
+        if a not in shown or b not in shown:
+            document.select(b)
+            return
+        low, high = sorted((shown.index(a), shown.index(b)))
+        document.selection = (*(r for r in shown[low : high + 1] if r != b), b)
+
+    def _drag(self, ui: Ui, document: Document, row: int, name: str) -> None:
+        if imgui.begin_drag_drop_source(imgui.DragDropFlags_.none):
+            count = len(document.selection) if row in document.selection else 1
+            imgui.set_drag_drop_payload_py_id(PAYLOAD, row)
+            text(name if count == 1 else f"{count} nodes")
+            imgui.end_drag_drop_source()
+        if imgui.begin_drag_drop_target():
+            self._accept(ui, row)
+            imgui.end_drag_drop_target()
+
+    def _accept(self, ui: Ui, parent: int) -> None:
+        payload = imgui.accept_drag_drop_payload_py_id(PAYLOAD)
+        document = ui.session.document
+        if payload is not None and document is not None:
+            dragged = int(payload.data_id)
+            rows = document.selection if dragged in document.selection else (dragged,)
+            reparent(ui.session, rows, parent)
+            if parent >= 0:
+                self.unfolded.add(parent)
+                self._fold_rev += 1
+
+    def _drop_on_rest(self, ui: Ui) -> None:
+        """While a row is dragged: the tree's border is the top of the tree."""
+        payload = imgui.get_drag_drop_payload_py_id()
+        if payload is None:
+            return
+        low, size = imgui.get_item_rect_min(), imgui.get_item_rect_size()
+        rows = imgui.get_frame_height() * (len(self._rows) + 1)
+        if size.y <= rows + em(1):
+            return
+        area = imgui.internal.ImRect(low.x, low.y + rows, low.x + size.x, low.y + size.y)
+        if imgui.internal.begin_drag_drop_target_custom(area, imgui.get_id("rest")):
+            self._accept(ui, -1)
+            imgui.end_drag_drop_target()
+
+    def _rename_field(self, ui: Ui, document: Document, row: int) -> None:
+        imgui.set_next_item_width(-1)
+        if self._focus_name:
+            imgui.set_keyboard_focus_here()
+        flags = imgui.InputTextFlags_.auto_select_all | imgui.InputTextFlags_.enter_returns_true
+        entered, self._name = imgui.input_text("##rename", self._name, flags)
+        left = imgui.is_item_deactivated() and not self._focus_name
+        self._focus_name = False
+        if entered or left:
+            name = self._name.strip()
+            if (
+                name
+                and (entered or imgui.is_item_deactivated_after_edit())
+                and name != document.runtime.scene.nodes.name[row]
+            ):
+                ui.session.edit("nodes", "name", [row], [name], label=f"Rename {ui.session.node_name(row)}")
+            self._renaming = -1
 
     def _arrow(self, item: TreeRow) -> None:
         if not item.has_children:
@@ -147,7 +239,10 @@ class SceneTreePanel(Panel):
             return
         if row not in document.selection:
             document.select(row)
-        for id in ("view.frame", "edit.hide", "edit.show-all", "edit.select-parent"):
+        for id in MENU:
+            if not id:
+                imgui.separator()
+                continue
             operation = ui.operations[id]
             key = operation.shortcuts[0] if operation.shortcuts else ""
             if imgui.menu_item(operation.label, key, False, operation.enabled(ui.session))[0]:

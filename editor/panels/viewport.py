@@ -9,12 +9,13 @@ from imgui_bundle import imgui
 
 from editor import axis_widget, camera_controls, icons, overlay, theme
 from editor.camera_controls import OrbitCamera
+from editor.gizmo_widget import GizmoWidget
 from editor.navigation import WHEEL, motion_for
 from editor.panels import timeline, viewport_strip
 from editor.panels.base import Panel
 from editor.panels.timings import short_count
 from editor.ui import Ui
-from editor.widgets import em, fitted, text, tooltip
+from editor.widgets import cut, em, fitted, text, tooltip
 
 #: a press that moves less than this, in em, is a click
 CLICK_SLOP = 0.25
@@ -36,6 +37,9 @@ class ViewportPanel(Panel):
         self._travel = 0.0
         #: while flying, bare keys belong to the camera
         self.flying = False
+        self.gizmo = GizmoWidget()
+        #: where a drag began, imgui units
+        self._start = (0.0, 0.0)
 
     def draw(self, ui: Ui) -> None:
         session = ui.session
@@ -57,13 +61,16 @@ class ViewportPanel(Panel):
         origin = imgui.get_cursor_screen_pos()
         scale = ui.pixel_scale * session.image.resolution(session)
         frame = session.image.update(session, round(width * scale), round(height * scale))
-        imgui.invisible_button(
-            "##picture",
-            (width, height),
-            imgui.ButtonFlags_.mouse_button_left
-            | imgui.ButtonFlags_.mouse_button_right
-            | imgui.ButtonFlags_.mouse_button_middle,
-        )
+        if self.gizmo.busy and not self.motion:  # its handles want a press that no other item takes
+            imgui.dummy((width, height))
+        else:
+            imgui.invisible_button(
+                "##picture",
+                (width, height),
+                imgui.ButtonFlags_.mouse_button_left
+                | imgui.ButtonFlags_.mouse_button_right
+                | imgui.ButtonFlags_.mouse_button_middle,
+            )
         hovered, active = bool(imgui.is_item_hovered()), bool(imgui.is_item_active())
         imgui.set_item_key_owner(imgui.Key.mouse_wheel_y)
         lines = imgui.get_window_draw_list()
@@ -75,6 +82,10 @@ class ViewportPanel(Panel):
         else:  # the null device has no picture
             lines.add_rect_filled((origin.x, origin.y), end, theme.u32(theme.FRAME))
         over_axes = self._overlays(ui, origin.x, origin.y, width, height, hovered and not self.motion)
+        blocked = bool(self.motion) or over_axes or bool(imgui.get_io().key_alt) or session.tools.measuring
+        self.gizmo.draw(ui, origin.x, origin.y, width, height, blocked=blocked)
+        if self.motion == "select" and self._travel > em(CLICK_SLOP):
+            overlay.draw_rectangle(self._start, (imgui.get_io().mouse_pos.x, imgui.get_io().mouse_pos.y))
         lines.pop_clip_rect()
         self._gestures(ui, origin.x, origin.y, width, height, hovered and not over_axes, active)
 
@@ -84,6 +95,7 @@ class ViewportPanel(Panel):
         if session.preferences.show_outline:
             for row in document.selection[-50:]:
                 overlay.draw_box(session.camera, *document.bounds((row,)), (x, y), width, height)
+        overlay.draw_measure(session.camera, session.tools, (x, y), width, height)
         over_axes = False
         if session.preferences.show_axes and width > em(12) and height > em(10):
             over_axes, view = axis_widget.draw(session.camera, x + width, y, hoverable=hoverable)
@@ -98,9 +110,23 @@ class ViewportPanel(Panel):
             if parts:
                 height_used = imgui.get_text_line_height() + 2 * imgui.get_style().frame_padding.y
                 overlay.chip(left, bottom - height_used, "   ".join(parts), theme.DIM)
-        if session.image.error:
-            overlay.chip(left, y + em(0.6), f"{icons.ERROR}  {session.image.error}", theme.ERROR)
-        return over_axes
+        over_badge = self._badge(ui, left, y + em(0.6), width - em(6.5), hoverable)
+        return over_axes or over_badge
+
+    def _badge(self, ui: Ui, x: float, y: float, width: float, hoverable: bool) -> bool:
+        """What is wrong with the picture; a click goes to the shader's line. True when the pointer is on it."""
+        session = ui.session
+        line = session.shaders.badge or session.image.error
+        if not line:
+            return False
+        w, h = overlay.chip(x, y, cut(f"{icons.ERROR}  {line}", width), theme.ERROR)
+        over = hoverable and bool(imgui.is_mouse_hovering_rect((x, y), (x + w, y + h)))
+        if over and session.shaders.problems:
+            imgui.set_mouse_cursor(imgui.MouseCursor_.hand)
+            imgui.set_tooltip(f"{session.shaders.problems[0].text}\n\nClick to go there (F8)")
+            if imgui.is_mouse_clicked(imgui.MouseButton_.left):
+                ui.operations.run("shader.next-error", session)
+        return over
 
     # --- gestures ---
 
@@ -108,9 +134,10 @@ class ViewportPanel(Panel):
         io, session = imgui.get_io(), ui.session
         if hovered and not self.motion:
             for index, name in enumerate(BUTTONS):
-                if imgui.is_mouse_clicked(index):
+                if imgui.is_mouse_clicked(index) and not (self.gizmo.busy and index == 0):
                     self.motion = motion_for(session.preferences.keymap, name, _modifiers()) or "none"
                     self._button, self._travel = index, 0.0
+                    self._start = (io.mouse_pos.x, io.mouse_pos.y)
                     imgui.set_window_focus()
         if self.motion:
             self._travel += abs(io.mouse_delta.x) + abs(io.mouse_delta.y)
@@ -118,14 +145,27 @@ class ViewportPanel(Panel):
                 if self._travel > em(CLICK_SLOP) or self.motion == "fly":
                     self._move(ui, io.mouse_delta.x, io.mouse_delta.y, height, io.delta_time)
             else:
+                u, v = (io.mouse_pos.x - x) / width, (io.mouse_pos.y - y) / height
                 if self._travel <= em(CLICK_SLOP) and self._button == 0:
-                    session.pick((io.mouse_pos.x - x) / width, (io.mouse_pos.y - y) / height, toggle=bool(io.key_ctrl))
+                    self._click(ui, u, v)
+                elif self.motion == "select":
+                    start = ((self._start[0] - x) / width, (self._start[1] - y) / height)
+                    session.select_box(start, (u, v), add=bool(io.key_ctrl))
                 self.motion = ""
         self.flying = self.motion == "fly"
         if self.flying:
             imgui.set_mouse_cursor(imgui.MouseCursor_.resize_all)
         if hovered or self.flying:
             self._wheel(ui, (io.mouse_pos.x - x) / width, (io.mouse_pos.y - y) / height, width / height, height)
+
+    def _click(self, ui: Ui, u: float, v: float) -> None:
+        io, session = imgui.get_io(), ui.session
+        if session.tools.measuring:
+            session.measure(u, v)
+        elif io.key_alt:
+            session.pick_through(u, v)
+        else:
+            session.pick(u, v, toggle=bool(io.key_ctrl))
 
     def _move(self, ui: Ui, dx: float, dy: float, height: float, seconds: float) -> None:
         session = ui.session

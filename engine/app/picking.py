@@ -45,6 +45,25 @@ def pick_node(scene: Scene, residency: Residency, view: View, x: float, y: float
     return best_node
 
 
+def pick_hits(scene: Scene, residency: Residency, view: View, x: float, y: float) -> list[tuple[float, int]]:
+    """(metres from the near plane, node row) of every visible node under the pixel, the nearest first."""
+    origin, direction = view_ray(view, x, y)
+    table = scene.instances
+    if len(table.node) == 0:
+        return []
+    to_center = table.world_center - origin
+    along = to_center @ direction
+    off_axis = np.einsum("ij,ij->i", to_center, to_center) - along**2
+    near = (off_axis <= table.world_radius.astype(np.float64) ** 2) & (along > -table.world_radius)
+    nearest: dict[int, float] = {}
+    for row in np.flatnonzero(table.drawn & near):
+        distance = _nearest_triangle(scene, residency, int(row), origin, direction)
+        if np.isfinite(distance):
+            node = int(table.node[row])
+            nearest[node] = min(distance, nearest.get(node, np.inf))
+    return sorted((distance, node) for node, distance in nearest.items())
+
+
 def _nearest_triangle(
     scene: Scene, residency: Residency, row: int, origin: NDArray[np.float64], direction: NDArray[np.float64]
 ) -> float:

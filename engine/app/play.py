@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from engine.app.runtime import Runtime
+from engine.app.runtime import MANY_PICTURES, Runtime
 from engine.core.errors import DeviceError
 from engine.gpu import open_device
 from engine.math.quat import from_axis_angle, to_matrix3
@@ -109,7 +109,7 @@ def play(open_scene: Any, *, size: tuple[int, int] = (1280, 720), title: str = "
             f"cannot open a window: {error}", hint="it needs a display and OpenGL 4.5; see `lucarna doctor`"
         ) from error
     device = open_device("gl", attach=True)
-    runtime = Runtime(device, profile=False, interactive=True)
+    runtime = Runtime(device, profile=False, pixels=MANY_PICTURES)
     shown = 0
     try:
         open_scene(runtime)

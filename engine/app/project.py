@@ -50,6 +50,14 @@ def is_project(path: Path) -> bool:
     return path.name == PROJECT_FILE and path.is_file() if not path.is_dir() else (path / PROJECT_FILE).is_file()
 
 
+def shader_folders(folder: Path) -> list[Path]:
+    """Where the effects and shaders of the project around `folder` are, also before there are any: in `shaders/` as the
+    built-in ones are, or in `effects/`. Without a project they are beside `folder`'s files."""
+    root = folder.absolute()
+    root = next((place for place in (root, *root.parents) if (place / PROJECT_FILE).is_file()), root)
+    return [root / "shaders", root]
+
+
 def new_project(directory: Path, *, template: Path | None = None) -> Project:
     """Make a project in `directory` from the template, whole or not at all, named after the folder.
 

@@ -3,68 +3,88 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.animation.animation_file import load_animation
+from engine.animation.animator import Animator
 from engine.animation.reach import joint_reach
 from engine.animation.sample import ClipPlayer
+from engine.app.clip_deck import ClipDeck
 from engine.app.framing import AZIMUTH, ELEVATION, frame_points, scene_box, scene_points
-from engine.app.picking import pick_node
+from engine.app.picking import pick_hits, pick_node, view_ray
+from engine.app.project import shader_folders
 from engine.assets.clip import ClipAsset
 from engine.assets.lanim import read_lanim
 from engine.assets.scene import SceneAsset
 from engine.assets.scene_json import read_scene
 from engine.core.errors import InputError
 from engine.core.findings import Findings
+from engine.core.paths import shaders_dir
 from engine.gpu.types import Device
+from engine.materials.library import EffectLibrary
 from engine.render.camera import Camera
 from engine.render.environments import Baker
 from engine.render.frame import Frame
 from engine.render.renderer import Renderer
 from engine.render.view import View
+from engine.resources.hot_reload import HotReload
 from engine.resources.residency import Residency
 from engine.scene.scene import Scene
+
+#: for Runtime(pixels=…): as many as a window draws
+MANY_PICTURES = 1 << 40
 
 
 class Runtime:
     """`scene`: the tables; `asset`: what was read; `clips`: its animation; `findings`: what went wrong on the way.
 
-    `node_rows[i]` is the scene row of the asset's node i. `interactive`: it will draw many frames, not one.
+    `node_rows[i]` is the scene row of the asset's node i. `pixels`: how many it will draw, about:
+    MANY_PICTURES for a window; a software rasteriser prepares textures accordingly.
     """
 
-    def __init__(self, device: Device, *, profile: bool = True, interactive: bool = False) -> None:
+    def __init__(self, device: Device, *, profile: bool = True, pixels: int = 0) -> None:
         self.device = device
-        self._interactive = interactive
+        self._pixels = pixels
         self._profile = profile
         self._reset()
 
-    def _reset(self) -> None:
-        self.residency = Residency(self.device, interactive=self._interactive)
+    def _reset(self, shaders: Sequence[Path] = ()) -> None:
+        effects = EffectLibrary([*shaders, shaders_dir()])
+        self.residency = Residency(self.device, effects, pixels=self._pixels)
         self.renderer = Renderer(self.device, self.residency, profile=self._profile)
+        self.hot_reload = HotReload(self.residency, self.renderer)
         self.scene = Scene()
         self.asset = SceneAsset("empty")
         self.path: Path | None = None
         self.node_rows: NDArray[np.int64] = np.zeros(0, np.int64)
         self.clips: list[ClipAsset] = []
         self.players: list[ClipPlayer] = []
+        self.deck = ClipDeck(self.scene.nodes, self.clips, self.players)
         self.findings = Findings()
         self._posed_at = math.nan
 
     # --- opening ---
 
-    def open(self, path: Path, *, baker: Baker | None = None) -> None:
+    def open(self, path: Path, *, baker: Baker | None = None, root: Path | None = None) -> None:
         """Open a `*.scene.json`. Raises FormatError and leaves what was open as it is; missing parts are findings.
 
-        `baker` gives the baked file of an environment image or sky (importers.opening has one)."""
+        `baker` gives the baked file of an environment image or sky (importers.opening has one). `root`: the folder of
+        the project that it belongs to, whose effects and shaders go before the built-in ones."""
         asset = read_scene(path)
-        self.load(asset, path.parent, path, baker=baker)
+        self.load(asset, path.parent, path, baker=baker, shaders=shader_folders(root or path.parent))
 
-    def load(self, asset: SceneAsset, base: Path, path: Path | None = None, *, baker: Baker | None = None) -> None:
-        """Open a scene from memory; its files are relative to `base`."""
+    def load(
+        self, asset: SceneAsset, base: Path, path: Path | None = None, *, baker: Baker | None = None,
+        shaders: Sequence[Path] = (),
+    ) -> None:  # fmt: skip
+        """Open a scene from memory; its files are relative to `base`. `shaders`: folders with effects and shaders that
+        go before the built-in ones."""
         self.close()
-        self._reset()
+        self._reset(shaders)
         self.renderer.environments.baker = baker
         self.asset, self.path = asset, path
         self.findings.file = str(path or asset.name)
@@ -81,6 +101,7 @@ class Runtime:
                 self.clips.append(clip)
             except InputError as error:
                 self.findings.error("clip.unreadable", str(error), hint="the scene is shown without it")
+        self.deck = ClipDeck(self.scene.nodes, self.clips, self.players)
         self.scene.update()
 
     def _add_instances(self, asset: SceneAsset, base: Path) -> None:
@@ -153,18 +174,33 @@ class Runtime:
 
     @property
     def duration(self) -> float:
-        """Seconds of the longest clip; 0 without animation."""
-        return max((clip.duration for clip in self.clips), default=0.0)
+        """Seconds of the longest clip that plays; 0 where none does."""
+        return self.deck.duration
+
+    def play(self, *clips: int | str, mode: str = "loop", speed: float = 1.0) -> None:
+        """Play these clips (numbers or names) instead; see ClipDeck.play. A scene opens playing its first."""
+        self.deck.play(*clips, mode=mode, speed=speed)
+        self._posed_at = math.nan
+
+    def animate(self, path: Path) -> Animator:
+        """Let an animation file (`*.animation.toml`) pose the scene, and return its animator to be steered.
+
+        Raises InputError and FormatError with file:line:column; then what played goes on.
+        """
+        graph = load_animation(path, self.asset.nodes, self.clips, self.findings)
+        animator = Animator(graph)
+        self.deck.animate(animator, self.node_rows[graph.rig.source][None])
+        self._posed_at = math.nan
+        return animator
 
     def update(self, time_s: float = 0.0) -> None:
-        """Pose the scene at `time_s` (each clip loops) and bring the world transforms up to date.
+        """Pose the scene at `time_s` and bring the world transforms up to date.
 
         An unchanged time poses nothing, so what was moved by hand stays moved until time goes on.
         """
         if time_s != self._posed_at:
             self._posed_at = time_s
-            for player in self.players:
-                player.apply(self.scene.nodes, time_s)
+            self.deck.apply(time_s)
         self.scene.update()
 
     # --- looking ---
@@ -194,7 +230,14 @@ class Runtime:
         """The node row seen at pixel (x, y) from the top left, or -1."""
         return pick_node(self.scene, self.residency, view, x, y)
 
+    def pick_hits(self, view: View, x: float, y: float) -> list[tuple[int, NDArray[np.float64]]]:
+        """Every node under pixel (x, y) with the point f8[3] (world) where it is hit, the nearest first."""
+        origin, direction = view_ray(view, x, y)
+        hits = pick_hits(self.scene, self.residency, view, x, y)
+        return [(node, origin + direction * distance) for distance, node in hits]
+
     def close(self) -> None:
         """Free everything on the device."""
         self.renderer.release()
+        self.residency.effects.release()
         self.residency.release()

@@ -49,12 +49,11 @@ def fitted(degree: int) -> F8:
     if degree == len(AGX_CURVE) - 1:
         return AGX_CURVE
     x = 0.5 - 0.5 * np.cos((np.arange(2000) + 0.5) / 2000 * np.pi)
-    result: F8 = np.polynomial.Polynomial.fit(x, sigmoid(x), degree).convert().coef[::-1]
-    return result
+    return np.asarray(np.polynomial.Polynomial.fit(x, sigmoid(x), degree).convert().coef[::-1], np.float64)
 
 
 def run(ctx: Context, knobs: Knobs) -> Trial:
-    count = 1 << (16 if ctx.quick else 18)
+    count = 1 << (19 if ctx.quick else 20)
     x = ctx.once("x", lambda: ctx.rng("x").uniform(0.0, 1.0, count).astype(np.float32))
     n = int(knobs["n"])
     kind = knobs["kind"]
@@ -87,23 +86,38 @@ def run(ctx: Context, knobs: Knobs) -> Trial:
 
 EXPERIMENT = Experiment(
     title="AgX's contrast curve",
-    method="polynomials by degree (the renderer's published one is degree 6), linear tables by size, the sigmoid by pow",
+    method="polynomials by degree (the renderer's published one is of degree 6), linear tables by size, the sigmoid",
     truth="AgX's sigmoid (Sobotka 2022: pivot 0.18, slope 2, powers 3 and 3.25) in float64",
     metric="rmse",
     unit="display-encoded",
     knobs=[{"kind": "polynomial", "n": n} for n in (3, 4, 5, 6, 7, 9, 11)]
-    + [{"kind": "table", "n": n} for n in (8, 16, 32, 64, 128)] + [{"kind": "sigmoid", "n": 0}],
+    + [{"kind": "table", "n": n} for n in (8, 16, 32, 64, 128)]
+    + [{"kind": "sigmoid", "n": 0}],
     default={"kind": "polynomial", "n": 6},
     curve="kind",
     run=run,
     orders=[
-        Order(2.0, "linear interpolation: h²", "1 / size", curve="table",
-              step=lambda k: 1.0 / k["n"] if k["n"] else 1.0, tolerance=0.3),
-        Order(3.5, "least squares of a curve with a kink in its third derivative", "1 / degree", curve="polynomial",
-              step=lambda k: 1.0 / k["n"] if k["n"] else 1.0, tolerance=1.5),
-    ],  # fmt: skip
+        Order(
+            2.0,
+            "linear interpolation: h²",
+            "1 / size",
+            curve="table",
+            step=lambda k: 1.0 / k["n"] if k["n"] else 1.0,
+            tolerance=0.3,
+        ),
+        Order(
+            3.5,
+            "least squares of a curve with a kink in its third derivative",
+            "1 / degree",
+            curve="polynomial",
+            step=lambda k: 1.0 / k["n"] if k["n"] else 1.0,
+            tolerance=1.5,
+        ),
+    ],
     format_floor=Floor(1.0 / 255.0 / 12.0**0.5, "8-bit display, rms"),
     needs=frozenset({"gpu"}),
     timed="gpu",
     step_label="1 / n (degree, or size of the table)",
+    note="The published polynomial is off by more than an 8-bit display rounds. A table of the same time would not be,"
+    " where reading it is as cheap as here.",
 )

@@ -53,9 +53,7 @@ def run(ctx: Context, knobs: Knobs) -> Trial:
     method, n = knobs["method"], int(knobs["n"])
     truth = reference(ctx)["albedo"]
     if method == "quadrature":
-        return Trial(
-            lambda: np.array([[float(ggx.albedo(r, c, n))] for r, c in LOBES]), lambda got: _judge(got, truth)
-        )
+        return Trial(lambda: np.array([[float(ggx.albedo(r, c, n))] for r, c in LOBES]), lambda got: _judge(got, truth))
     estimate = by_visible if method == "visible normals" else by_half
     if method == "random":
         sets = ctx.rng("u").uniform(size=(SETS, n, 2))
@@ -105,13 +103,25 @@ EXPERIMENT = Experiment(
     quick=lambda k: k["n"] <= 1024,
     orders=[
         Order(0.5, "random points: N^-1/2", "1 / evaluations", step=_step, curve="random", cost=1.0, tolerance=0.15),
-        Order(0.75, "Hammersley: N^-3/4, the horizon is an edge in the integrand", "1 / evaluations", step=_step,
-              curve="hammersley", tolerance=0.25),
-        Order(1.0, "Hammersley on a nearly smooth integrand: N^-1", "1 / evaluations", step=_step,
-              curve="visible normals", tolerance=0.3),
-    ],  # fmt: skip
+        Order(
+            0.75,
+            "Hammersley: N^-3/4, the horizon is an edge in the integrand",
+            "1 / evaluations",
+            step=_step,
+            curve="hammersley",
+            tolerance=0.25,
+        ),
+        Order(
+            1.0,
+            "Hammersley on a nearly smooth integrand: N^-1",
+            "1 / evaluations",
+            step=_step,
+            curve="visible normals",
+            tolerance=0.3,
+        ),
+    ],
     noise_floor=noise_floor,
     step_label="1 / evaluations of the integrand",
-    note="Sampling is repeated with eight point sets, so its times are those of eight estimates. Quadrature falls faster"
-    " than any power once the lobe is resolved. engine.math.ggx takes 48 nodes for what is baked.",
+    note="Sampling is repeated with eight point sets, so its times are those of eight estimates. Quadrature falls"
+    " faster than any power once the lobe is resolved. engine.math.ggx takes 48 nodes for what is baked.",
 )

@@ -25,9 +25,15 @@ FORMS = {
 }
 FUNCTIONS = """
 // Walter et al. 2007, eq. 33, as usually typed: (n.h)^2 (a^2 - 1) + 1
-float textbook(float alpha, float c) { float a2 = alpha * alpha; float d = c * c * (a2 - 1.0) + 1.0; return a2 / (PI * d * d); }
+float textbook(float alpha, float c) {
+    float a2 = alpha * alpha; float d = c * c * (a2 - 1.0) + 1.0;
+    return a2 / (PI * d * d);
+}
 // 1 - c^2 as (1 - c)(1 + c)
-float one_minus(float alpha, float c) { float a = c * alpha; float k = alpha / ((1.0 - c) * (1.0 + c) + a * a); return k * k / PI; }
+float one_minus(float alpha, float c) {
+    float a = c * alpha; float k = alpha / ((1.0 - c) * (1.0 + c) + a * a);
+    return k * k / PI;
+}
 float in_double(float alpha, vec3 n, vec3 h) {
     dvec3 m = dvec3(n); dvec3 w = dvec3(h); dvec3 x = cross(m, w); double nn = dot(m, m) * dot(w, w);
     double s2 = dot(x, x) / nn; double a = double(alpha); double k = a / (s2 + (1.0LF - s2) * a * a);
@@ -96,7 +102,7 @@ def extremes(ctx: Context) -> Iterator[Extreme]:
 
 EXPERIMENT = Experiment(
     title="GGX distribution D in float32",
-    method="D(h) of GGX written four ways in GLSL; shaders/lib/brdf.glsl has `cross` (Lagrange's identity)",
+    method="D(h) of GGX written four ways in GLSL; shaders/lib/brdf.glsl has “cross” (Lagrange's identity)",
     truth="closed form in float64 of the same rounded vectors (Walter et al. 2007, eq. 33)",
     metric="p99_relative",
     unit="relative",
@@ -114,7 +120,7 @@ EXPERIMENT = Experiment(
             between=(2e-3, 0.2),
             tolerance=0.4,
         ),
-    ],  # fmt: skip
+    ],
     needs=frozenset({"gpu"}),
     timed="gpu",
     extremes=extremes,

@@ -139,7 +139,7 @@ def extremes(ctx: Context) -> Iterator[Extreme]:
 
 EXPERIMENT = Experiment(
     title="Energy of matched and mismatched pairs",
-    method="directional albedo of a white (F = 1) surface for pairings of D and G, with and without multiple scattering",
+    method="directional albedo of a white (F = 1) surface for pairs of D and G, with and without multiple scattering",
     truth="a furnace: everything comes back, albedo 1; integrated by float64 Gauss-Legendre over the half vector",
     metric="energy_deviation",
     unit="of albedo",
@@ -150,5 +150,6 @@ EXPERIMENT = Experiment(
     extremes=extremes,
     profile_label="alpha",
     note="Time is NumPy's for 16,384 samples of the term. A gain above 1e-3 means that the pairing makes light; loss is"
-    " what single scattering does not bring back. With multiple scattering the sum is 1 by construction; how well the shaders' table holds it is dfg_table's question. No order is expected: these are models, not discretisations.",
+    " what single scattering does not bring back. With multiple scattering the sum is 1 by construction; how well the"
+    " shaders' table holds it is what dfg_table asks. No order is expected: these are models, not discretisations.",
 )

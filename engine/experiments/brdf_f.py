@@ -29,7 +29,7 @@ float exact(float f0, float c) {
 }
 """
 F0S = (0.02, 0.04, 0.08, 0.16, 0.3)  # water to diamond and beyond
-COSINES = np.concatenate([np.geomspace(1e-3, 0.05, 8), np.linspace(0.1, 1.0, 19)])
+COSINES = np.concatenate([np.geomspace(1e-3, 0.05, 8), np.linspace(0.1, 0.95, 18)])
 INPUTS = {"f0": "float", "c": "float"}
 
 

@@ -29,7 +29,10 @@ float separable(float alpha, float nv, float nl) { float a2 = alpha * alpha; ret
 // Hammon 2017, "PBR Diffuse Lighting for GGX+Smith Microsurfaces", p. 82
 float hammon(float alpha, float nv, float nl) { return 0.5 / max(mix(2.0 * nl * nv, nl + nv, alpha), 1e-7); }
 // Schlick 1994, eq. 19, with k = alpha / 2 (Karis 2013)
-float schlick(float alpha, float nv, float nl) { float k = 0.5 * alpha; return 0.25 / ((nv * (1.0 - k) + k) * (nl * (1.0 - k) + k)); }
+float schlick(float alpha, float nv, float nl) {
+    float k = 0.5 * alpha;
+    return 0.25 / ((nv * (1.0 - k) + k) * (nl * (1.0 - k) + k));
+}
 """
 ALPHAS = (2.025e-3, 0.01, 0.05, 0.1, 0.2, 0.4, 0.7, 1.0)
 INPUTS = {"alpha": "float", "nv": "float", "nl": "float"}
@@ -38,7 +41,7 @@ INPUTS = {"alpha": "float", "nv": "float", "nl": "float"}
 def inputs(ctx: Context) -> tuple[dict[str, NDArray[Any]], F8]:
     """Cosines down to grazing, and G2 = 4 n.v n.l V in float64."""
     rng = ctx.rng("cosines")
-    count = 1 << (13 if ctx.quick else 15)
+    count = 1 << (15 if ctx.quick else 16)
     alpha = np.repeat(np.array(ALPHAS, np.float32), count)
     nv, nl = (np.maximum(rng.uniform(size=len(alpha)) ** 2, 1e-4).astype(np.float32) for _ in range(2))
     truth = 4.0 * nv.astype(np.float64) * nl * ggx.V_SmithGGXCorrelated(nv, nl, alpha)

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from numpy.typing import NDArray
 
 from engine.experiments.harness.context import Context, Floats
 from engine.experiments.harness.experiment import Experiment, Knobs, Order, Outcome, Trial
+from engine.experiments.harness.pictures import beside_truth
 from engine.math import ggx
 from engine.math.color import to_u1
 from engine.math.sphere import basis, hammersley
-from engine.report.perceptual import flip, magma
 from engine.report.records import Floor, Picture
 
 F8 = NDArray[np.float64]
@@ -23,7 +21,7 @@ SAMPLES = (12, 24, 48, 96, 192, 384, 768)
 
 
 #: radiance of the one texel that is the sun
-SUN = 2000.0
+SUN = 100.0
 
 
 def source(ctx: Context) -> Floats:
@@ -111,7 +109,7 @@ def run(ctx: Context, knobs: Knobs) -> Trial:
         error = got.reshape(-1, 3) - want
         shown: list[Picture] = []
         if samples in (24, 96):
-            shown = _pictures(got, want, f"{knobs['method']}, {samples} samples")
+            shown = _pictures(ctx, got, want, f"{knobs['method']}, {samples} samples")
         return Outcome(
             {
                 "rel_rmse": float(np.sqrt(np.mean(error**2) / np.mean(want**2))),
@@ -123,18 +121,13 @@ def run(ctx: Context, knobs: Knobs) -> Trial:
     return Trial(work, judge)
 
 
-def _pictures(got: Floats, want: F8, name: str) -> list[Picture]:
+def _pictures(ctx: Context, got: Floats, want: F8, name: str) -> list[Picture]:
     def strip(values: NDArray[np.floating]) -> NDArray[np.floating]:
         cube = np.asarray(values, np.float64).reshape(6, SIZE, SIZE, 3)
         wide = np.concatenate(list(cube[:4]), axis=1)
         return wide.repeat(12, axis=0).repeat(12, axis=1)
 
-    mean, error_map = flip(to_u1(strip(got)), to_u1(strip(want)))
-    return [
-        Picture(f"{name}", to_u1(strip(got))),
-        Picture("brute force", to_u1(strip(want))),
-        Picture(f"FLIP, mean {mean:.3f}", magma(error_map)),
-    ]
+    return beside_truth(ctx, name, to_u1(strip(got)), "brute force", to_u1(strip(want)))
 
 
 def _step(knobs: Knobs) -> float:
@@ -143,8 +136,8 @@ def _step(knobs: Knobs) -> float:
 
 EXPERIMENT = Experiment(
     title="Prefiltering an environment",
-    method="GGX-weighted mean of the studio and a sun of one texel (64² faces), for 8² faces at roughness 0.4: samples of the lobe, from mips"
-    " chosen by their solid angle (the importer's way), or from the source itself",
+    method="GGX-weighted mean of the studio and a sun of one texel (64² faces), for 8² faces at roughness 0.4: samples"
+    " of the lobe, from mips chosen by their solid angle (the importer's way), or from the source itself",
     truth="the same weighted mean over every texel of the source, float64",
     metric="rel_rmse",
     unit="of the rms",
@@ -154,14 +147,20 @@ EXPERIMENT = Experiment(
     run=run,
     quick=lambda k: k["samples"] <= 192,
     orders=[
-        Order(0.75, "low-discrepancy samples of a picture with edges: N^-3/4", "1 / samples", step=_step,
-              curve="unfiltered", cost=1.0, tolerance=0.3),
-        Order(1.0, "the filter's width falls with the samples: about N^-1 of its area", "1 / samples", step=_step,
-              curve="filtered", cost=1.0, tolerance=0.4),
-    ],  # fmt: skip
+        Order(
+            1.0,
+            "the filter's width falls with the samples: about N^-1 of its area",
+            "1 / samples",
+            step=_step,
+            curve="filtered",
+            cost=1.0,
+            tolerance=0.4,
+        ),
+    ],
     needs=frozenset({"tools"}),
     format_floor=Floor(4.9e-4, "half float"),
     step_label="1 / samples",
     note="Filtering trades noise for blur: with few samples it is far ahead, and what is left is smooth, which an eye"
-    " forgives (see the FLIP maps).",
+    " forgives (see the FLIP maps). Without it a sample either hits the sun or misses it, so that its error"
+    " jumps instead of falling: no order is fitted there. 96 samples are the importer's choice at this roughness.",
 )

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from engine.experiments.harness.context import Context
 from engine.experiments.harness.experiment import Experiment, Knobs, Order, Outcome, Trial
-from engine.gpu.types import Bindings, ComputePipelineDesc, ShaderSource, TextureDesc
+from engine.gpu.types import Bindings, ComputePipelineDesc, SamplerDesc, ShaderSource, TextureDesc
 from engine.report.records import Extreme, Floor
 
 F8 = NDArray[np.float64]
@@ -59,8 +59,6 @@ class Store:
         self.found = self.device.buffer(SIZE * SIZE * 16, label="found")
 
     def run(self) -> None:
-        from engine.gpu.types import SamplerDesc
-
         sampler = self.device.sampler(SamplerDesc("clamp", "clamp", "clamp", "nearest", "nearest"))
         with self.device.compute_pass("store and fetch") as encoder:
             encoder.set_pipeline(self.write)
@@ -100,7 +98,7 @@ def run(ctx: Context, knobs: Knobs) -> Trial:
         ulp = 2.0 ** -FORMATS[name][1]
         return Outcome(
             {"max_relative": float(relative[normal].max()), "mean_relative": float(relative[normal].mean())},
-            profile=[(m, max(r, 1e-9)) for m, r in zip(MAGNITUDES, rows, strict=True)],
+            profile=list(zip(MAGNITUDES, rows, strict=True)),
             extra={"bytes": FORMATS[name][2], "signed mean, ulp": float(((got - want) / want)[normal].mean() / ulp)},
         )
 
@@ -121,7 +119,7 @@ def extremes(ctx: Context) -> Iterator[Extreme]:
 
 
 def _step(knobs: Knobs) -> float:
-    return 2.0 ** -float(FORMATS[knobs["format"]][1])
+    return float(2.0 ** -FORMATS[knobs["format"]][1])
 
 
 EXPERIMENT = Experiment(
@@ -135,8 +133,9 @@ EXPERIMENT = Experiment(
     curve="family",
     run=run,
     orders=[
-        Order(1.0, "an ulp or half of one: 2^-bits of the fraction", "2^-bits", step=_step, tolerance=0.6, above=1e-9),
+        Order(1.0, "an ulp or half of one: 2^-bits of the fraction", "2^-bits", step=_step, tolerance=0.3),
     ],
+    also=("bytes",),
     needs=frozenset({"gpu"}),
     timed="gpu",
     extremes=extremes,

@@ -32,7 +32,7 @@ def cosine_factor(band: int) -> float:
 
 
 def harmonics(d: F8, bands: int) -> F8:
-    """Real orthonormal spherical harmonics f8[n,bands^2] at unit `d` [n,3], by the usual recurrences; +z is the pole."""
+    """Real orthonormal spherical harmonics f8[n,bands^2] at unit `d` [n,3], by recurrence; +z is the pole."""
     x, y, z = d.T
     out = np.empty((len(d), bands * bands))
     # cos and sin of m phi times sin^m theta, so that nothing is divided by sin theta
@@ -78,12 +78,10 @@ def project(faces: Floats, directions: F8, bands: int) -> F8:
     weights = solid_angles(directions).ravel()
     if bands == 3:  # the renderer's own
         radiance = sh.project(faces.reshape(-1, 3), directions.reshape(-1, 3), weights)
-        result: F8 = sh.irradiance_coefficients(radiance) / math.pi
-        return result
+        return np.asarray(sh.irradiance_coefficients(radiance) / math.pi)
     basis = harmonics(directions.reshape(-1, 3), bands)
     factors = np.concatenate([np.full(2 * band + 1, cosine_factor(band)) for band in range(bands)])
-    result = (basis.T @ (faces.reshape(-1, 3) * weights[:, None])) * factors[:, None] / math.pi
-    return result
+    return np.asarray((basis.T @ (faces.reshape(-1, 3) * weights[:, None])) * factors[:, None] / math.pi)
 
 
 def run(ctx: Context, knobs: Knobs) -> Trial:
@@ -137,11 +135,24 @@ EXPERIMENT = Experiment(
     curve="method",
     run=run,
     orders=[
-        Order(2.5, "the cosine's coefficients fall as band^-5/2", "1 / bands", step=_step, curve="harmonics",
-              between=(0.0, 0.35), tolerance=1.2),
-        Order(2.0, "midpoint sums over texels: h²", "1 / texels of an edge", step=_step, curve="convolution",
-              tolerance=0.6),
-    ],  # fmt: skip
+        Order(
+            2.5,
+            "the cosine's coefficients fall as band^-5/2",
+            "1 / bands",
+            step=_step,
+            curve="harmonics",
+            between=(0.0, 0.35),
+            tolerance=1.2,
+        ),
+        Order(
+            2.0,
+            "midpoint sums over texels: h²",
+            "1 / texels of an edge",
+            step=_step,
+            curve="convolution",
+            tolerance=0.6,
+        ),
+    ],
     needs=frozenset({"tools"}),
     step_label="1 / n (bands, or texels of an edge)",
     time_label=f"median time of {SHADED:,} directions",

@@ -35,7 +35,10 @@ vec3 three(uvec2 w) {
     return normalize(vec3(component(w.x), component(w.x >> BITS), component(w.y)));
 #endif
 }
-vec3 rebuilt_z(uvec2 w) { vec2 e = vec2(component(w.x), component(w.y)); return vec3(e, sqrt(max(1.0 - dot(e, e), 0.0))); }
+vec3 rebuilt_z(uvec2 w) {
+    vec2 e = vec2(component(w.x), component(w.y));
+    return vec3(e, sqrt(max(1.0 - dot(e, e), 0.0)));
+}
 """
 
 
@@ -127,7 +130,8 @@ EXPERIMENT = Experiment(
             step=lambda k: 2.0 ** -k["bits"],
             curve="xy + root",
         ),
-    ],  # fmt: skip
+    ],
+    also=("bytes",),
     needs=frozenset({"gpu"}),
     timed="gpu",
     extremes=extremes,

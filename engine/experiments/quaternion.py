@@ -26,7 +26,7 @@ def _near(a: Array, b: Array) -> tuple[Array, Array]:
 
 
 def _unit(q: Array) -> Array:
-    return q / np.sqrt(np.einsum("ij,ij->i", q, q))[:, None]
+    return np.asarray(q / np.sqrt(np.einsum("ij,ij->i", q, q))[:, None])
 
 
 def nlerp(a: Array, b: Array, t: Array) -> Array:
@@ -52,7 +52,7 @@ def slerp_acos(a: Array, b: Array, t: Array) -> Array:
     theta = np.arccos(np.minimum(d, 1.0))
     s = t[:, None]
     with np.errstate(invalid="ignore", divide="ignore"):
-        return (np.sin((1.0 - s) * theta) * a + np.sin(s * theta) * b) / np.sin(theta)
+        return np.asarray((np.sin((1.0 - s) * theta) * a + np.sin(s * theta) * b) / np.sin(theta))
 
 
 METHODS: dict[str, Callable[[Array, Array, Array], Array]] = {
@@ -125,7 +125,7 @@ EXPERIMENT = Experiment(
             point={"method": "nlerp", "digits": 64},
             between=(0.5, 100.0),
         ),
-    ],  # fmt: skip
+    ],
     extremes=extremes,
     profile_label="angle between the rotations (degrees)",
     note="The worst of all angles up to 175°. The acos form is no choice: in float32 it divides zero by zero below a"

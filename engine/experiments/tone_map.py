@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.experiments.harness.context import Context
-from engine.experiments.harness.experiment import Experiment, Knobs, Order, Outcome, Trial
+from engine.experiments.harness.experiment import Experiment, Knobs, Outcome, Trial
 from engine.math import tonemap
 from engine.report.records import Extreme, Floor
 
@@ -28,7 +28,7 @@ STOPS = np.arange(-12.0, 13.0, 1.0)
 def colors(ctx: Context) -> NDArray[np.float32]:
     """Colours of every saturation at each stop."""
     rng = ctx.rng("colors")
-    count = 1 << (11 if ctx.quick else 13)
+    count = 1 << (13 if ctx.quick else 14)
     rgb = rng.uniform(0.0, 1.0, (len(STOPS), count, 3)) ** rng.uniform(0.2, 3.0, (1, count, 1))
     rgb /= rgb.max(axis=-1, keepdims=True)
     return (rgb * 0.18 * 2.0 ** STOPS[:, None, None]).reshape(-1, 3).astype(np.float32)
@@ -44,8 +44,8 @@ def run(ctx: Context, knobs: Knobs) -> Trial:
         error = np.abs(dispatch.read() - want).max(axis=1).reshape(len(STOPS), -1)
         rows = np.where(np.isfinite(error), error, np.inf).max(axis=1)
         return Outcome(
-            {"max_error": max(float(rows.max()), 1e-12), "rmse": float(np.sqrt(np.mean(error**2)))},
-            profile=list(zip(0.18 * 2.0**STOPS, np.maximum(rows, 1e-12), strict=True)),
+            {"max_error": float(rows.max()), "rmse": float(np.sqrt(np.mean(error**2)))},
+            profile=list(zip(0.18 * 2.0**STOPS, rows, strict=True)),
             extra={"8-bit steps": float(rows.max() * 255.0)},
         )
 
@@ -59,7 +59,9 @@ def extremes(ctx: Context) -> Iterator[Extreme]:
             c=given
         )
         ok = bool(np.isfinite(got).all() and (got >= -1e-6).all() and (got <= 1.0 + 1e-6).all())
-        yield Extreme(f"{name}: black, nearly black, 32000, one channel alone", f"{got.min():.3g} to {got.max():.3g}", ok)
+        yield Extreme(
+            f"{name}: black, nearly black, 32000, one channel alone", f"{got.min():.3g} to {got.max():.3g}", ok
+        )
 
 
 EXPERIMENT = Experiment(
@@ -72,12 +74,13 @@ EXPERIMENT = Experiment(
     default={"curve": "agx"},
     curve="curve",
     run=run,
-    orders=[Order(0.0, "rounding alone, whatever the brightness", "scene value", between=(1e-2, 1e2), tolerance=0.6)],
+    problem="curve",
     format_floor=Floor(1.0 / 255.0 / 12.0**0.5, "8-bit display, rms"),
     needs=frozenset({"gpu"}),
     timed="gpu",
     extremes=extremes,
     profile_label="greatest channel, scene-linear",
     note="The curves are looks, not approximations of one another: their times can be compared, their errors only tell"
-    " that the float32 form keeps its digits. agx_curve asks how well AgX's polynomial stands for its sigmoid.",
+    " that the float32 form keeps its digits, so each is alone on its front and no order is expected. agx_curve asks"
+    " how well AgX's polynomial stands for its sigmoid.",
 )

@@ -7,6 +7,7 @@ AMD, Intel    ERROR: 0:7: 'x' : undeclared identifier
 
 from __future__ import annotations
 
+import difflib
 import re
 from dataclasses import dataclass
 
@@ -19,6 +20,10 @@ _FORMS = (
     re.compile(r"^(?P<kind>ERROR|WARNING)\s*:\s*\d+:(?P<line>\d+)\s*:\s*(?P<text>.*)$", re.I),
 )
 _QUOTED = re.compile(r"[\"'`]([A-Za-z_]\w*)[\"'`]")
+_UNKNOWN = re.compile(
+    r"undeclared|undefined|no (?:such )?(?:matching )?(?:function|field|member)|not declared|no field|cannot access field", re.I
+)
+_NAME = re.compile(r"[A-Za-z_]\w{2,}")
 SHOWN = 8  # errors after the first few follow from them
 
 
@@ -76,14 +81,29 @@ def compile_error(source: ShaderSource, log: str, label: str = "") -> ShaderErro
             parts.append(f"{place}: {entry.text}{_excerpt(code, column)}")
     if len(errors) > SHOWN:
         parts.append(f"and {len(errors) - SHOWN} more")
-    return ShaderError("\n".join(parts), where=first)
+    return ShaderError("\n".join(parts), where=first, hint=_did_you_mean(source.text, errors[0].text))
+
+
+def _did_you_mean(text: str, message: str) -> str:
+    """For a message about a name that is not known: the nearest that is."""
+    if not _UNKNOWN.search(message):
+        return ""
+    known = set(_NAME.findall(text))
+    for name in _QUOTED.findall(message):
+        uses = len(re.findall(rf"\b{re.escape(name)}\b", text))
+        near = [n for n in difflib.get_close_matches(name, sorted(known - {name}), 3, 0.75) if text.count(n) > uses]
+        if near:
+            return f"did you mean {near[0]!r}?"
+    return ""
 
 
 def link_error(label: str, sources: tuple[ShaderSource, ...], log: str) -> ShaderError:
     """The error to raise when stages that compiled do not link; drivers name no line then."""
     said = log.replace("\0", "").strip() or "the driver said nothing"
-    files = [source.lines[-1][0] for source in sources if source.lines]
-    return ShaderError(f"{label!r} does not link: {said}", where=" + ".join(files) or None)
+    files = {source.stage: source.lines[-1][0] for source in sources if source.lines}
+    named = [stage for stage in files if f"{stage} shader" in said]
+    where: Place | str = Place(files[named[0]], 1) if len(named) == 1 else " + ".join(files.values())
+    return ShaderError(f"{label!r} does not link: {said}", where=where or None)
 
 
 def _column(code: str, entry: LogEntry) -> int:

@@ -99,7 +99,7 @@ def _add_file(state: _Flattening, path: Path, depth: int) -> None:
 
 def _add_text(state: _Flattening, text: str, file: str, folder: Path | None, depth: int) -> None:
     in_comment = False
-    for number, line in enumerate(text.splitlines(), 1):
+    for number, line in enumerate(text.splitlines() or [""], 1):
         directive = None if in_comment else _DIRECTIVE.match(line)
         in_comment = _comment_goes_on(line, in_comment)
         name = directive[1] if directive else ""
@@ -155,7 +155,8 @@ def _read(state: _Flattening, path: Path) -> str:
         text = state.texts[key] = path.read_text(encoding="utf-8-sig")
         return text
     except UnicodeDecodeError as error:
-        raise ShaderError(f"not UTF-8 text: {error.reason} at byte {error.start}", where=path) from error
+        place = Place(str(path), error.object.count(b"\n", 0, error.start) + 1)
+        raise ShaderError(f"not UTF-8 text: {error.reason} at byte {error.start}", where=place) from error
     except OSError as error:
         raise ShaderError(f"cannot be read: {error.strerror}", where=path) from error
 

@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import Unpack
 
 from engine.core.errors import InputError, LucarnaError, ShaderError
-from engine.gpu.types import Device, Pipeline, VertexAttribute
+from engine.core.watched import Watched
+from engine.gpu.types import Device, Pipeline, RenderPipelineDesc, VertexAttribute
 from engine.materials.effect import Effect, load_effect
 from engine.materials.features import FeatureSet
 from engine.materials.merge import SUFFIX, candidates
@@ -22,13 +23,11 @@ from engine.materials.variant import (
     absent_features,
     compile_nowhere,
     compile_variant,
+    describe,
     let_go,
     shader_file,
     shadowing,
 )
-
-#: of a watched file: (mtime in ns, size), None when it is not there
-Stamp = tuple[int, int] | None
 
 #: (a reloaded effect) -> further requests that must compile before it is taken over
 Further = Callable[[Effect], Iterable[tuple[Device, VariantRequest]]]
@@ -38,17 +37,19 @@ class EffectLibrary:
     """`search`: folders with shaders (`effects/x.effect.toml`, `lib/y.glsl`); the first that has a file counts.
 
     `compiled` counts compilations. `errors`: effect name -> why its newest files are not in use. While there is one,
-    new variants too are made from the last good contents of the files.
+    new variants too are made from the last good contents of the files. `revision` grows when pipelines that were given
+    out are let go: ask for them again.
     """
 
     def __init__(self, search: Sequence[Path], *, prelude: str = "") -> None:
         self.search = tuple(Path(folder) for folder in search)
         self.prelude = prelude
         self.compiled = 0
+        self.revision = 0
         self.errors: dict[str, LucarnaError] = {}
         self._effects: dict[str, Effect] = {}
         self._variants: dict[tuple[int, VariantRequest], Variant] = {}
-        self._stamps: dict[Path, Stamp] = {}
+        self._watched = Watched()
         #: effect name -> contents of the files that its variants are made from
         self._texts: dict[str, dict[Path, str]] = {}
 
@@ -66,7 +67,8 @@ class EffectLibrary:
                 effect = self._effects[name] = self._load(name)
             except LucarnaError as error:
                 self._watch([*self._folders(), *candidates(self.search).values()])
-                self.errors[name] = error
+                if name in candidates(self.search):
+                    self.errors[name] = error
                 raise
             self.errors.pop(name, None)
             self._watch(effect.files)
@@ -111,7 +113,13 @@ class EffectLibrary:
         """
         name = effect if isinstance(effect, str) else effect.name
         request = VariantRequest(name, role, features, attributes, defines=_items(defines), prelude=prelude, **state)
-        variant = self._variant(device, effect, request)
+        return self.of_request(device, request, effect if isinstance(effect, Effect) else None)
+
+    def of_request(
+        self, device: Device, request: VariantRequest, effect: Effect | None = None
+    ) -> tuple[Pipeline, ShaderError | None]:
+        """As `pipeline_or_magenta`."""
+        variant = self._variant(device, effect or request.effect, request)
         if variant.pipeline is not None:
             return variant.pipeline, variant.error
         if variant.fallback is None:
@@ -121,6 +129,13 @@ class EffectLibrary:
     def variants(self) -> list[Variant]:
         """All variants asked for so far, in that order."""
         return list(self._variants.values())
+
+    def description(self, variant: Variant) -> RenderPipelineDesc:
+        """What a variant is made of: its state, and its flattened sources with the origin of each line. Raises
+        ShaderError where the newest files have a mistake and no others were good."""
+        effect = self._effects[variant.request.effect]
+        texts = dict(self._texts.get(effect.name, {}))
+        return describe(effect, self._with_prelude(variant.request), self.search, texts=texts)
 
     def _variant(self, device: Device, effect: Effect | str, request: VariantRequest) -> Variant:
         key = (id(device), request)
@@ -200,13 +215,17 @@ class EffectLibrary:
                 return error
         return None
 
+    def expect(self) -> None:
+        """Begin to note which variants are asked for."""
+        for variant in self._variants.values():
+            variant.asked = False
+
     def retire(self) -> int:
-        """Let variants go that no one asked for since the last call; returns how many."""
+        """Let variants go that no one asked for since `expect`; returns how many."""
         idle = [key for key, variant in self._variants.items() if not variant.asked]
         for key in idle:
             let_go(self._variants.pop(key))
-        for variant in self._variants.values():
-            variant.asked = False
+        self.revision += bool(idle)
         return len(idle)
 
     def release(self) -> None:
@@ -214,16 +233,17 @@ class EffectLibrary:
         for variant in self._variants.values():
             let_go(variant)
         self._variants.clear()
+        self.revision += 1
 
     # --- hot reload ---
 
     def changed(self) -> set[Path]:
         """The watched files whose mtime or size is not what `poll` saw last."""
-        return {path for path, stamp in self._stamps.items() if _stamp(path) != stamp}
+        return self._watched.changed()
 
     def invalidate(self) -> None:
         """Make the next `poll` take all files for changed."""
-        self._stamps = dict.fromkeys(self._stamps, (-1, -1))
+        self._watched.invalidate()
 
     def poll(self, further: Further | None = None) -> list[str]:
         """Look whether files changed (mtime and size); compile aside, and return the effects that now are new ones.
@@ -233,11 +253,7 @@ class EffectLibrary:
         and (if `get` gives another Effect) move the tables with `MaterialTable.migrate`. `further`: what the new effect
         will be asked for; it must compile too.
         """
-        changed = self.changed()
-        if not changed:
-            return []
-        for path in changed:
-            self._stamps[path] = _stamp(path)
+        changed = self._watched.take()
         return [name for name in list(self._effects) if changed & self._files(name) and self._reload(name, further)]
 
     def _files(self, name: str) -> set[Path]:
@@ -307,6 +323,7 @@ class EffectLibrary:
             return False
         self._effects[name] = effect
         self._texts[name] = texts
+        self.revision += 1
         for variant in gone:
             let_go(variant)
         self._variants = {key: variant for key, variant in self._variants.items() if variant not in gone}
@@ -324,18 +341,8 @@ class EffectLibrary:
 
     def _watch(self, files: Iterable[Path]) -> None:
         known = list(files)
-        for path in (*known, *shadowing(known, self.search)):
-            if path not in self._stamps:
-                self._stamps[path] = _stamp(path)
+        self._watched.add((*known, *shadowing(known, self.search)))
 
 
 def _items(defines: Mapping[str, str | int] | None) -> tuple[tuple[str, str | int], ...]:
     return tuple(sorted(defines.items())) if defines else ()
-
-
-def _stamp(path: Path) -> Stamp:
-    try:
-        info = path.stat()
-    except OSError:
-        return None
-    return info.st_mtime_ns, info.st_size

@@ -62,6 +62,23 @@ class MaterialTable:
 
         Raises InputError with all unknown names and bad values of the material.
         """
+        row = self._row(material, layers)
+        if self._count == len(self._data):
+            grown = np.zeros(2 * len(self._data), self._data.dtype)
+            grown[: self._count] = self._data
+            self._data = grown
+        self._data[self._count] = row
+        self._count += 1
+        self._touch(self._count - 1)
+        return self._count - 1
+
+    def replace(self, row: int, material: MaterialAsset, layers: Mapping[str, int]) -> None:
+        """Put another material into a row; see `add`. On an error the row stays as it is."""
+        self._check_row(row)
+        self._data[row] = self._row(material, layers)
+        self._touch(row)
+
+    def _row(self, material: MaterialAsset, layers: Mapping[str, int]) -> Any:
         row = self._default.copy()
         mistakes = []
         for name, value in material.params.items():
@@ -80,14 +97,7 @@ class MaterialTable:
         for slot in self.effect.textures:
             row[f"{slot.name}_layer"] = layers.get(slot.name, 0)
             self._put_uv(row, slot.name, material.textures.get(slot.name))
-        if self._count == len(self._data):
-            grown = np.zeros(2 * len(self._data), self._data.dtype)
-            grown[: self._count] = self._data
-            self._data = grown
-        self._data[self._count] = row
-        self._count += 1
-        self._touch(self._count - 1)
-        return self._count - 1
+        return row
 
     def set_param(self, row: int, name: str, value: Any) -> None:
         """Raises UsageError for an unknown name (did you mean) or a value out of range; then nothing is changed."""

@@ -72,7 +72,7 @@ class Variant:
     """A cached variant. `pipeline` is the last good one; `error` says why the newest source has none.
 
     `features`: those that are on in this role; `reasons`: why; `absent`: feature -> why it is off. `asked`: someone
-    asked for it since EffectLibrary.retire.
+    asked for it since EffectLibrary.expect.
     """
 
     request: VariantRequest
@@ -183,7 +183,9 @@ def _missing(effect: Effect, role: str, kind: str, file: str, search: Sequence[P
     """The technique names a file that is in none of the folders: the place is that of the name."""
     source = load_toml(effect.files[0])
     place = source.place(("technique", role, kind), value=True)
-    known = [p.relative_to(folder).as_posix() for folder in search for p in sorted(folder.glob(f"*/*{Path(file).suffix}"))]
+    known = [
+        p.relative_to(folder).as_posix() for folder in search for p in sorted(folder.glob(f"*/*{Path(file).suffix}"))
+    ]
     folders = ", ".join(map(str, search))
     message = with_caret(f"there is no shader {file!r} in {folders}", source.text, place)
     return ShaderError(message, where=place, hint=hint(file, known))

@@ -9,8 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.assets.scene import CameraAsset
+from engine.core.errors import InputError
 from engine.math.projection import orthographic_reversed, perspective_reversed
-from engine.math.transform import inverse_affine
+from engine.math.quat import to_matrix3
+from engine.math.transform import decompose, inverse_affine
+from engine.scene.cameras import sanitize
 
 
 @dataclass(slots=True)
@@ -28,18 +31,40 @@ class Camera:
 
     @classmethod
     def from_asset(cls, asset: CameraAsset, world: NDArray[np.float64]) -> Camera:
-        """A scene's camera in its node's frame; scale and shear of the node are left out (glTF 2.0, 3.10)."""
+        """A scene's camera in its node's frame; scale and shear of the node are left out (glTF 2.0, 3.10).
+
+        A lens that cannot be is made usable (engine.scene.cameras.sanitize; loading the scene says so), and a node
+        whose scale is 0 keeps the directions it has left."""
+        asset = sanitize(asset)
         pose = np.eye(4)
-        z = world[:3, 2] / max(float(np.linalg.norm(world[:3, 2])), 1e-300)
-        x = np.cross(world[:3, 1], z)
-        x /= max(float(np.linalg.norm(x)), 1e-300)
-        pose[:3, 0], pose[:3, 1], pose[:3, 2], pose[:3, 3] = x, np.cross(z, x), z, world[:3, 3]
+        with np.errstate(over="ignore", invalid="ignore"):
+            z = world[:3, 2] / max(float(np.linalg.norm(world[:3, 2])), 1e-300)
+            x = np.cross(world[:3, 1], z)
+            x /= max(float(np.linalg.norm(x)), 1e-300)
+            pose[:3, 0], pose[:3, 1], pose[:3, 2] = x, np.cross(z, x), z
+        if not abs(float(np.linalg.det(pose[:3, :3])) - 1.0) < 1e-6:
+            linear = np.eye(4)
+            linear[:3, :3] = np.nan_to_num(world[:3, :3], posinf=0.0, neginf=0.0)
+            _, rotation, _ = decompose(linear)
+            pose[:3, :3] = to_matrix3(rotation)
+        pose[:3, 3] = np.nan_to_num(world[:3, 3])
         orthographic = asset.type == "orthographic"
         return cls(pose, asset.yfov, asset.znear, asset.zfar or 1e6, asset.ymag if orthographic else 0.0)
 
     @property
     def position(self) -> NDArray[np.float64]:
         return self.world_from_camera[:3, 3]
+
+    def check(self, aspect: float) -> None:
+        """Raise InputError where no picture can be taken: a pose that is not finite or flat, an impossible lens."""
+        self.clip_from_view(aspect)
+        pose = self.world_from_camera
+        lengths = float(np.prod(np.linalg.norm(pose[:3, :3], axis=0)))
+        if not (np.isfinite(pose).all() and abs(float(np.linalg.det(pose[:3, :3]))) > 1e-9 * lengths > 0.0):
+            raise InputError(
+                f"impossible camera: its pose is flat or not finite: {pose[:3].tolist()}",
+                hint="place the camera again; its axes must be at right angles and of length 1",
+            )
 
     def clip_from_view(self, aspect: float) -> NDArray[np.float64]:
         if self.ymag > 0.0:

@@ -13,6 +13,7 @@ of every instance in numpy. Blended rows are sorted back to front and become run
 from __future__ import annotations
 
 import itertools
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -22,6 +23,7 @@ from engine.gpu.types import Buffer, Device
 from engine.materials.effect import Effect
 from engine.materials.features import resolve_features
 from engine.resources.arena import MeshArena
+from engine.resources.material_store import MaterialRecord
 from engine.resources.residency import Residency
 from engine.scene.scene import Scene
 
@@ -95,11 +97,24 @@ class DrawList:
         self.instances_drawn = 0
         self.triangles_drawn = 0
         self._built_for: tuple[object, ...] = ()
+        #: what is drawn: (mesh, submesh, material, 1 mirrored + 2 skinned), each once
+        self._combos: list[tuple[int, int, int, int]] = []
         self._mirrored = np.zeros(0, np.bool_)
         self._mirrored_seen = (0, -1, -1)
         self._solid = _empty_template()
         self._solid_batches: list[tuple[int, int]] = []
         self._glass = _empty_template()
+        self._casters = _empty_template()
+        self._caster_batches: list[tuple[int, int]] = []
+        self.caster_ids: Buffer = device.buffer(4, label="caster ids")
+        self.caster_commands: Buffer = device.buffer(20, label="caster commands")
+        #: bool[instances]: what casts shadows, and what shows them
+        self.casting = np.zeros(0, np.bool_)
+        self.receiving = np.zeros(0, np.bool_)
+        #: batches of each shadow map; their commands lie in `caster_commands`
+        self.caster_batches: list[list[Batch]] = []
+        #: rises when the templates were built again
+        self.built_rev = 0
 
     @property
     def has_blended(self) -> bool:
@@ -120,12 +135,15 @@ class DrawList:
         if key == self._built_for and not turned:
             return False
         self._built_for = key
+        self.built_rev += 1
         table = scene.instances
         count = len(table.node)
         self._write_objects(scene)
         if count == 0:
-            self._solid, self._glass = _empty_template(), _empty_template()
-            self._solid_batches = []
+            self._solid, self._glass, self._casters = _empty_template(), _empty_template(), _empty_template()
+            self._caster_batches = []
+            self.casting = self.receiving = np.zeros(0, np.bool_)
+            self._solid_batches, self._combos = [], []
             return True
         mirrored = self._mirrored[_placing_nodes(scene)]
         skinned = scene.skins.of_nodes(table.node) >= 0
@@ -136,8 +154,9 @@ class DrawList:
         inverse = inverse.reshape(-1)
         states: list[DrawState] = []
         shapes: list[tuple[int, int, int]] = []
-        for mesh, submesh, material, flags in combos.tolist():
-            states.append(self._state(mesh, submesh, material, bool(flags & 1), bool(flags & 2)))
+        self._combos = [tuple(combo) for combo in combos.tolist()]
+        for mesh, submesh, material, flags in self._combos:
+            states.append(self._state(mesh, submesh, self._residency.material(material), flags))
             info = self._residency.meshes[mesh]
             part = info.asset.submeshes[submesh]
             shapes.append((part.index_count, info.place.first_index + part.first_index, info.place.base_vertex))
@@ -146,7 +165,20 @@ class DrawList:
         self._solid = self._template(states, shapes, inverse, alive & ~blended[inverse])
         self._solid_batches = _runs(self._solid.states)
         self._glass = self._template(states, shapes, inverse, alive & blended[inverse])
+        self._build_casters(states, shapes, inverse, alive)
         return True
+
+    def _build_casters(
+        self, states: list[DrawState], shapes: list[tuple[int, int, int]], inverse: NDArray[np.intp],
+        alive: NDArray[np.bool_],
+    ) -> None:  # fmt: skip
+        """What casts is drawn with as few states as make a difference in a depth map."""
+        effects = {s.effect: self._residency.effects.get(s.effect) for s in states}
+        self.casting = alive & np.array([casts_shadow(s, effects[s.effect]) for s in states])[inverse]
+        self.receiving = alive & np.array(["unlit" not in s.features for s in states])[inverse]
+        plain = [caster_state(s, effects[s.effect]) if casts_shadow(s, effects[s.effect]) else s for s in states]
+        self._casters = self._template(plain, shapes, inverse, self.casting)
+        self._caster_batches = _runs(self._casters.states)
 
     def _update_mirrored(self, scene: Scene) -> bool:
         """Which nodes turn their meshes inside out (negative determinant); True when that changed."""
@@ -167,14 +199,22 @@ class DrawList:
         self._mirrored[rows] = determinant < 0.0
         return not known or bool((self._mirrored != before).any())
 
-    def _state(self, mesh: int, submesh: int, material: int, mirrored: bool, skinned: bool) -> DrawState:
-        record = self._residency.material(material)
+    def states_of(self, records: Mapping[int, MaterialRecord]) -> list[tuple[int, DrawState]]:
+        """(material, state) of all that these materials draw, if they were as in `records`. Raises InputError."""
+        found: dict[tuple[int, DrawState], None] = {}
+        for mesh, submesh, material, flags in self._combos:
+            if material in records:
+                state = self._state(mesh, submesh, records[material], flags)
+                found.update(dict.fromkeys((material, side) for side in (_sides(state) if state.blended else (state,))))
+        return list(found)
+
+    def _state(self, mesh: int, submesh: int, record: MaterialRecord, flags: int) -> DrawState:
         info = self._residency.meshes[mesh]
-        features = resolve_features(record.effect, record.asset, info.asset.layout, SKINNED if skinned else None)
+        features = resolve_features(record.effect, record.asset, info.asset.layout, SKINNED if flags & 2 else None)
         double_sided = "double_sided" in features
         return DrawState(
             record.effect.name, features, info.arena, record.group,
-            info.asset.submeshes[submesh].topology, "none" if double_sided else "back", not mirrored,
+            info.asset.submeshes[submesh].topology, "none" if double_sided else "back", not flags & 1,
             record.asset.queue,
         )  # fmt: skip
 
@@ -217,19 +257,7 @@ class DrawList:
         self, scene: Scene, visible: NDArray[np.bool_], eye: NDArray[np.float64], forward: NDArray[np.float64]
     ) -> None:
         """Fill batches, commands and ids for this frame. `visible` bool[instances]; `eye`, `forward` in world space."""
-        solid = self._solid
-        drawn = visible[solid.row_order]
-        solid_ids = solid.row_order[drawn]
-        counts = np.bincount(solid.row_command[drawn], minlength=len(solid.commands))
-        commands = solid.commands.copy()
-        commands["instance_count"] = counts
-        commands["base_instance"] = np.cumsum(counts) - counts
-        totals = np.add.reduceat(counts, [r[0] for r in self._solid_batches]).tolist() if self._solid_batches else []
-        self.opaque = [
-            Batch(solid.states[first], first, count)
-            for (first, count), total in zip(self._solid_batches, totals, strict=True)
-            if total
-        ]
+        commands, solid_ids, self.opaque = _chosen(self._solid, self._solid_batches, visible, 0, 0)
         glass_commands, glass_ids, self.blended = self._sorted_glass(
             scene, visible, eye, forward, len(commands), len(solid_ids)
         )
@@ -274,9 +302,66 @@ class DrawList:
         ]
         return commands, rows, batches
 
+    def update_casters(self, masks: NDArray[np.bool_]) -> None:
+        """Fill the batches of each shadow map: `masks` bool[maps, instances] of what is drawn into it."""
+        parts: list[tuple[NDArray[np.void], NDArray[np.intp]]] = []
+        self.caster_batches = []
+        first_command = first_id = 0
+        for mask in masks:
+            commands, ids, batches = _chosen(self._casters, self._caster_batches, mask, first_command, first_id)
+            parts.append((commands, ids))
+            self.caster_batches.append(batches)
+            first_command += len(commands)
+            first_id += len(ids)
+        if first_id:
+            ids = np.concatenate([ids for _, ids in parts]).astype(np.uint32)
+            self.caster_ids = _fit(self._device, self.caster_ids, ids)
+            commands = np.concatenate([commands for commands, _ in parts])
+            self.caster_commands = _fit(self._device, self.caster_commands, commands)
+
     def release(self) -> None:
-        for buffer in (self.objects, self.ids, self.commands):
+        for buffer in (self.objects, self.ids, self.commands, self.caster_ids, self.caster_commands):
             buffer.release()
+
+
+def _chosen(
+    template: _Template, runs: list[tuple[int, int]], mask: NDArray[np.bool_], first_command: int, first_id: int
+) -> tuple[NDArray[np.void], NDArray[np.intp], list[Batch]]:
+    """The commands of a template for the instances in `mask`, their ids, and the batches that draw something."""
+    drawn = mask[template.row_order]
+    ids = template.row_order[drawn]
+    counts = np.bincount(template.row_command[drawn], minlength=len(template.commands))
+    commands = template.commands.copy()
+    commands["instance_count"] = counts
+    commands["base_instance"] = first_id + np.cumsum(counts) - counts
+    totals = np.add.reduceat(counts, [first for first, _ in runs]).tolist() if runs else []
+    batches = [
+        Batch(template.states[first], first_command + first, count)
+        for (first, count), total in zip(runs, totals, strict=True)
+        if total
+    ]
+    return commands, ids, batches
+
+
+def casts_shadow(state: DrawState, effect: Effect) -> bool:
+    """Solid, lit surfaces do. What is blended lets light through, what is unlit or a background is a picture of light,
+    and an effect without a technique for the role cannot be drawn into a map."""
+    return (
+        state.queue in ("opaque", "alpha_test")
+        and state.topology in ("triangles", "triangle_strip")
+        and "unlit" not in state.features
+        and "shadow" in effect.techniques
+    )
+
+
+def caster_state(state: DrawState, effect: Effect) -> DrawState:
+    """`state` without what makes no difference in a depth map. Both faces are drawn: an open shell casts from either."""
+    features = effect.active("shadow", state.features)
+    group = state.group
+    if "alpha_test" not in features:
+        painted = {name for name, f in effect.features.items() if f.implied_by or "color" in f.needs}
+        features, group = frozenset(features - painted - {"uv1", "uv_transform"}), -1
+    return replace(state, features=frozenset(features), group=group, cull="none", front_ccw=True, queue="opaque")
 
 
 def _placing_nodes(scene: Scene) -> NDArray[np.int64]:

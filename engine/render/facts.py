@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+
+from engine.render.shadows.quality import FILTERS, ShadowQuality
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,6 +22,8 @@ class SceneFacts:
     debug_view: str
     hdr_output: bool = False
     force_all: bool = False
+    sun_shadows: bool = False  # a sun, something that casts, something that is lit, and the view wants it
+    shadow_quality: ShadowQuality = field(default_factory=ShadowQuality)
 
     def variant_defines(self) -> dict[str, int]:
         """The macros of the surface shaders: absent light costs nothing. With `force_all` every branch is in."""
@@ -28,6 +32,9 @@ class SceneFacts:
         return {
             "ENVIRONMENT": int(self.environment or self.force_all),
             "SUNS": int(self.suns or self.force_all),
+            "SUN_SHADOWS": int(self.sun_shadows or self.force_all),
+            "CASCADE_TINT": int(self.sun_shadows),  # a forced, empty map is no cascade to show
+            "SHADOW_FILTER": FILTERS.index(self.shadow_quality.filter),
             "LOCAL_LIGHTS": int(self.local_lights or self.force_all),
             "DEBUG_VIEW": DEBUG_VIEWS.index(self.debug_view),
         }

@@ -14,6 +14,7 @@ from engine.gpu.types import Bindings, Buffer, Device, RenderPass, Sampler, Text
 from engine.render.draw_list import Batch, DrawList
 from engine.render.facts import SceneFacts
 from engine.render.programs import Programs
+from engine.render.shadows.sun import SunShadows
 from engine.render.view import View
 from engine.report.stats import FrameStats
 from engine.resources.environment import DfgTable, EnvironmentMap
@@ -30,6 +31,8 @@ PALETTE_BINDING = 4
 ENVIRONMENT_UNIT = 8
 DFG_UNIT = 9
 INPUT_UNIT = 10
+SHADOW_UNIT = 11
+SHADOW_DEPTH_UNIT = 12
 
 
 @dataclass(slots=True)
@@ -49,6 +52,9 @@ class RenderFrame:
     lights: Buffer
     palettes: Buffer
     point_sampler: Sampler
+    origin: NDArray[np.float64]
+    shadows: SunShadows
+    shadow_rows: NDArray[np.void]
     look: Mapping[str, Any] = field(default_factory=dict)
     pass_buffers: dict[str, Buffer] = field(default_factory=dict)
 
@@ -75,8 +81,10 @@ class RenderFrame:
             },
         )
 
-    def draw_batches(self, render_pass: RenderPass, batches: list[Batch], samples: int) -> None:
-        """Draw batches with their pipelines, arenas and materials: one multi-draw each."""
+    def draw_batches(
+        self, render_pass: RenderPass, batches: list[Batch], samples: int, inputs: Mapping[int, Any] | None = None
+    ) -> None:
+        """Draw batches with their pipelines, arenas and materials: one multi-draw each. `inputs`: more textures."""
         for batch in batches:
             state = batch.state
             arena = self.residency.arenas[state.arena]
@@ -97,10 +105,33 @@ class RenderFrame:
                         **materials.bindings(state.group, self.view.settings.anisotropy),
                         ENVIRONMENT_UNIT: (self.environment.texture, self.environment.sampler),
                         DFG_UNIT: (self.dfg.texture, self.dfg.sampler),
+                        **(inputs or {}),
                     },
                 )
             )
             render_pass.multi_draw_indexed_indirect(self.draws.commands, batch.first, batch.count)
+
+    def draw_casters(self, render_pass: RenderPass, batches: list[Batch], view_buffer: Buffer) -> None:
+        """Draw the depth of casters as `view_buffer` (a view block) sees them."""
+        for batch in batches:
+            state = batch.state
+            arena = self.residency.arenas[state.arena]
+            render_pass.set_pipeline(self.programs.shadow(state, arena))
+            render_pass.set_vertex_buffers({**arena.streams, "object": self.draws.caster_ids}, arena.indices)
+            materials = self.residency.materials
+            render_pass.set_bindings(
+                Bindings(
+                    uniforms={VIEW_BINDING: view_buffer},
+                    storage={
+                        TRANSFORM_BINDING: self.transforms,
+                        OBJECT_BINDING: self.draws.objects,
+                        MATERIAL_BINDING: materials.buffer(state.effect),
+                        PALETTE_BINDING: self.palettes,
+                    },
+                    textures=materials.bindings(state.group) if state.group >= 0 else {},
+                )
+            )
+            render_pass.multi_draw_indexed_indirect(self.draws.caster_commands, batch.first, batch.count)
 
 
 @dataclass(slots=True)

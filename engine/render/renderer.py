@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from engine.framegraph.graph import FrameGraph
 from engine.framegraph.passes import Pass, PassContext
 from engine.gpu.types import Device, SamplerDesc
+from engine.materials.variant import VariantRequest
 from engine.math.frustum import planes_from_matrix
 from engine.render.draw_list import DrawList
 from engine.render.environments import Environments, usable
@@ -23,11 +24,14 @@ from engine.render.palettes import PaletteRows
 from engine.render.pass_timer import PassTimer
 from engine.render.paths.forward import forward_passes
 from engine.render.programs import Programs
+from engine.render.shadows.quality import ShadowQuality
+from engine.render.shadows.sun import SunShadows
 from engine.render.transforms import TransformRows, origin_near
 from engine.render.view import View
 from engine.render.view_block import VIEW_LAYOUT, fill_view_block
 from engine.report.stats import FrameStats
 from engine.resources.environment import DfgTable
+from engine.resources.material_store import MaterialRecord
 from engine.resources.residency import Residency
 from engine.scene.culling import visible_instances
 from engine.scene.scene import Scene
@@ -54,12 +58,18 @@ class Renderer:
         self._point_sampler = device.sampler(SamplerDesc("clamp", "clamp", "clamp", "nearest", "nearest"))
         self._timer = PassTimer(device)
         self._seen: tuple[int, int] = (-1, -1)
+        #: pictures made so far
+        self.frames = 0
         self._visibility_key: tuple[object, ...] = ()
+        self._visible: NDArray[np.bool_] = np.zeros(0, np.bool_)
+        self._shadows = SunShadows()
 
     def render(self, scene: Scene, view: View, *, hdr: bool = False) -> Frame:
         """One picture of `scene`; `hdr`: the scene-linear one too. Bad assets show as magenta.
 
-        Raises ShaderError when a pass of our own does not compile, DeviceError."""
+        Raises InputError for a camera that no picture can be taken with, ShaderError when a pass of our own does not
+        compile, DeviceError."""
+        view.camera.check(view.aspect)
         device = self.device
         device.begin_frame()
         device.counters.reset()
@@ -78,12 +88,23 @@ class Renderer:
         graph.execute(lambda item: _context(device, graph, item, frame), self._on_pass)
         stats = self._stats(graph.transient_bytes)
         device.end_frame()
+        self.frames += 1
         hdr_texture = graph.texture("hdr_resolved") if hdr else None
         return Frame(graph.texture("color"), hdr_texture, stats, graph, frame.facts)
+
+    def requests(self, records: Mapping[int, MaterialRecord]) -> list[VariantRequest]:
+        """The shader variants that the last frame would have asked for if these materials were as in `records`."""
+        return self.programs.requests(self.draws.states_of(records), records)
+
+    def variant_uses(self) -> dict[VariantRequest, list[int]]:
+        """The shader variants of the last frame's scene, seen or not, and the materials that want each."""
+        records = dict(enumerate(self.residency.materials.records))
+        return self.programs.uses(self.draws.states_of(records), records)
 
     def release(self) -> None:
         self.graph.release()
         for part in (
+            self.programs,
             self.environments,
             self.draws,
             self._dfg,
@@ -121,6 +142,20 @@ class Renderer:
         visible = visible_instances(scene, planes)
         pose = view.camera.world_from_camera
         self.draws.update(scene, visible, pose[:3, 3], -pose[:3, 2])
+        self._visible = visible
+
+    def _sun_shadows(self, scene: Scene, view: View) -> bool:
+        """Whether the frame's first sun casts shadows; if so, cascades and casters are up to date."""
+        draws, drawn = self.draws, scene.instances.drawn
+        wanted = view.settings.shadows and self._lights.sun_count > 0
+        shown = wanted and bool((draws.casting & drawn).any()) and bool((draws.receiving & drawn).any())
+        direction = self._lights.suns[0, 0, :3].copy() if shown else None
+        state = (draws.built_rev, self.residency.effects.revision, self.residency.materials.values_rev)
+        if self._shadows.update(
+            scene, view, direction, self._visible, draws.casting & drawn, draws.receiving & drawn, state
+        ):
+            draws.update_casters(self._shadows.casters)
+        return shown
 
     def _frame(self, scene: Scene, view: View, origin: NDArray[np.float64], hdr: bool) -> RenderFrame:
         settings = view.settings
@@ -133,6 +168,8 @@ class Renderer:
             view, origin, env_map.irradiance_sh, env_map.mips, env_intensity,
             environment.rotation + rotation, self._lights,
         )  # fmt: skip
+        sun_shadows = self._sun_shadows(scene, view)
+        self._shadows.fill(block, view, origin, everywhere=settings.force_all)
         self._view_buffer.write(block.tobytes())
         background = environment.background if settings.background == "scene" else settings.background
         lit = environment.kind != "none" and env_intensity > 0.0
@@ -148,12 +185,14 @@ class Renderer:
             debug_view=settings.view,
             hdr_output=hdr,
             force_all=settings.force_all,
+            sun_shadows=sun_shadows,
+            shadow_quality=ShadowQuality(settings.shadow_filter, settings.shadow_cascades, settings.shadow_size),
         )
         return RenderFrame(
             device=self.device, view=view, facts=facts, residency=self.residency, programs=self.programs,
             draws=self.draws, environment=env_map, dfg=self._dfg, view_buffer=self._view_buffer,
             transforms=self._transforms.buffer, lights=self._lights.buffer, palettes=self._palettes.buffer,
-            point_sampler=self._point_sampler,
+            point_sampler=self._point_sampler, origin=origin, shadows=self._shadows, shadow_rows=block,
             look={
                 "exposure": scene.look.exposure + settings.exposure if settings.view == "lit" else 0.0,
                 "background": (*environment.background_color, 1.0),

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from engine.core.param import ParamBlock, param
+from engine.render.shadows.quality import DEFAULT, FILTERS
 
 TONE_MAPS = ("none", "agx", "aces", "neutral")
-DEBUG_VIEWS = ("lit", "base_color", "normal", "roughness", "metallic", "occlusion", "emission")
+DEBUG_VIEWS = ("lit", "base_color", "normal", "roughness", "metallic", "occlusion", "emission", "cascades")
 
 
 class RenderSettings(ParamBlock):
@@ -26,5 +27,22 @@ class RenderSettings(ParamBlock):
     background_blur: float = param(0.0, min=0.0, max=1.0, step=0.01, doc="blur of the background: a roughness")
     view: str = param("lit", choices=DEBUG_VIEWS, doc="debug view of one input of the shading")
     samples: int = param(4, min=1, max=8, doc="anti-aliasing samples a pixel (1, 2, 4, 8; limited by the device)")
+    shadows: bool = param(True, doc="the sun (the first one) casts shadows")
+    shadow_filter: str = param(
+        DEFAULT.filter, choices=FILTERS,
+        doc="none: texels; pcf: 2x2; vogel: 8 or 16 lookups in a disc; pcss: softer the further from what casts",
+    )  # fmt: skip
+    shadow_cascades: int = param(DEFAULT.cascades, min=1, max=8, doc="shadow maps for near to far")
+    shadow_size: int = param(DEFAULT.size, min=16, max=8192, unit="px", doc="width of each shadow map")
+    shadow_distance: float = param(
+        0.0, min=0.0, max=1e6, step=1.0, unit="m", doc="no shadows beyond; 0 = as far as the scene"
+    )
+    shadow_split: float = param(
+        0.8, min=0.0, max=1.0, step=0.01, doc="how the depth is cut: 0 evenly, 1 logarithmically"
+    )
+    shadow_softness: float = param(
+        1.5, min=0.0, max=8.0, step=0.1, unit="px", doc="radius of the filter's disc in shadow map texels"
+    )
+    sun_angle: float = param(0.53, min=0.0, max=20.0, step=0.01, unit="deg", doc="width of the sun, for pcss")
     anisotropy: float = param(8.0, min=1.0, max=16.0, step=1.0, doc="texture sharpness at a grazing angle; 1 = off")
     force_all: bool = param(False, doc="leave nothing out: every pass and every branch runs")

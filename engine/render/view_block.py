@@ -11,6 +11,9 @@ from engine.gpu.glsl_layout import Field, layout
 from engine.render.light_rows import MAX_SUNS, LightRows
 from engine.render.view import View
 
+#: shadow maps of the first sun
+MAX_CASCADES = 8
+
 VIEW_LAYOUT = layout(
     [
         Field("clip_from_origin", "mat4"),  # origin-relative world -> clip
@@ -24,6 +27,11 @@ VIEW_LAYOUT = layout(
         Field("size", "vec4"),  # width, height, 1/width, 1/height
         Field("suns", "vec4", 2 * MAX_SUNS),  # direction (where it shines), illuminance; for each directional light
         Field("counts", "uvec4"),  # lights in the buffer, suns
+        Field("shadow_axes", "vec4", 3),  # world -> light space: right, up, towards the sun
+        Field("shadow", "vec4"),  # cascades, filter radius in texels, tangent of the sun's half angle, 1 / map size
+        Field("shadow_fade", "vec4"),  # view depth where shadows begin to fade, 1 / how long they do
+        # for each cascade: x, y (light space, rel. to the origin), 1 / half width, texel in m; bottom, 1 / depth, half width
+        Field("shadow_cascades", "vec4", 2 * MAX_CASCADES),
     ],
     rule="std140",
 )

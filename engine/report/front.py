@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -30,7 +32,7 @@ def gain(cost: ArrayLike, error: ArrayLike) -> NDArray[np.float64]:
     rows = np.flatnonzero(pareto_front(c, e))
     rows = rows[np.argsort(c[rows], kind="stable")]
     result = np.full(len(c), np.nan)
-    for before, after in zip(rows[:-1], rows[1:], strict=True):
+    for before, after in itertools.pairwise(rows):
         step = c[after] - c[before]
         result[after] = (e[before] - e[after]) / step if step > 0.0 else np.nan
     return result

@@ -51,7 +51,7 @@ def mean_angle(a: ArrayLike, b: ArrayLike) -> float:
 
 
 def max_angle(a: ArrayLike, b: ArrayLike) -> float:
-    """Return the greatest angle (radians) between vectors `a` and `b` [..., 3] of any length; a zero vector counts pi."""
+    """Return the greatest angle (radians) between vectors `a` and `b` [..., 3]; a zero vector counts pi."""
     return float(np.max(_angles(a, b)))
 
 

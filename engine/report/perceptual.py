@@ -26,7 +26,7 @@ def flip(image: ArrayLike, reference: ArrayLike, *, hdr: bool = False) -> tuple[
         import flip_evaluator
     except ModuleNotFoundError as error:
         raise LucarnaError("FLIP needs the package flip-evaluator", hint=INSTALL) from error
-    bad = ~np.isfinite(x).all(axis=-1)
+    bad = np.asarray(~np.isfinite(x).all(axis=-1))
     x = np.where(bad[..., None], 0.0, x)
     if not hdr:
         x, r = np.clip(x, 0.0, 1.0), np.clip(r, 0.0, 1.0)
@@ -77,4 +77,4 @@ def magma(values: ArrayLike) -> NDArray[np.uint8]:
     place = np.clip(np.nan_to_num(np.asarray(values, np.float64), nan=1.0), 0.0, 1.0) * (len(_MAGMA) - 1)
     low = np.minimum(place.astype(int), len(_MAGMA) - 2)
     part = (place - low)[..., None]
-    return np.rint(_MAGMA[low] * (1.0 - part) + _MAGMA[low + 1] * part).astype(np.uint8)
+    return np.asarray(np.rint(_MAGMA[low] * (1.0 - part) + _MAGMA[low + 1] * part)).astype(np.uint8)

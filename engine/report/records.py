@@ -18,12 +18,16 @@ STATUSES = ("ok", "nan")
 
 @dataclass(frozen=True, slots=True)
 class Timing:
-    """Milliseconds: median, interquartile range, number of runs; `kind` as in engine.report.stats.KINDS."""
+    """Milliseconds: median, interquartile range, number of runs; `kind` as in engine.report.stats.KINDS.
+
+    `low`, `high`: the quartiles, for bars."""
 
     median: float
     iqr: float
     n: int
     kind: str = "wall"
+    low: float = 0.0
+    high: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,6 +78,7 @@ class OrderResult:
     from_profile: bool = False
     cost: float = 0.0
     span: tuple[float, float] = (0.0, 0.0)
+    knobs: dict[str, Any] = field(default_factory=dict)  # of the point whose profile was fitted
 
     @property
     def met(self) -> bool:

@@ -6,13 +6,15 @@ differ only in their rows.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Any
 
 from engine.assets.material import MaterialAsset, TextureRef
 from engine.gpu.types import Buffer, Device, Sampler, SamplerDesc, Texture
 from engine.materials.effect import Effect
+from engine.materials.fit import Complaint, fitted
 from engine.materials.table import MaterialTable
 from engine.resources.texture_pool import PooledTexture, TexturePool
 
@@ -22,13 +24,23 @@ GroupKey = tuple[tuple[int, int], ...]
 
 @dataclass(slots=True)
 class MaterialRecord:
-    """What the renderer needs to know of a material. `row`: its row in the effect's table."""
+    """What the renderer needs to know of a material. `row`: its row in the effect's table.
+
+    `folder`: what its texture paths are relative to. `asset`: what the effect takes of it. `whole`: all that the
+    material says, where the effect does not take all."""
 
     asset: MaterialAsset
     effect: Effect
     row: int
     group: int
     path: str = ""
+    folder: Path = Path()
+    whole: MaterialAsset | None = None
+
+    @property
+    def said(self) -> MaterialAsset:
+        """All that the material says."""
+        return self.whole or self.asset
 
 
 @dataclass(slots=True)
@@ -54,27 +66,78 @@ class MaterialStore:
     _samplers: list[SamplerDesc] = field(default_factory=list)
     _sampler_ids: dict[SamplerDesc, int] = field(default_factory=dict)
 
-    def add(self, asset: MaterialAsset, effect: Effect, textures: Mapping[str, PooledTexture], path: str = "") -> int:
+    def add(
+        self, asset: MaterialAsset, effect: Effect, textures: Mapping[str, PooledTexture], path: str = "",
+        folder: Path = Path(),
+    ) -> int:  # fmt: skip
         """Add a material whose slots read `textures` (every slot of the effect must be there); returns its id."""
+        row = self._rows(effect).table.add(asset, _layers(textures))
+        group = self._group(asset, effect, textures)
+        self.records.append(MaterialRecord(asset, effect, row, group, path, folder))
+        self.structure_rev += 1
+        return len(self.records) - 1
+
+    def replace(
+        self, material: int, asset: MaterialAsset, effect: Effect, textures: Mapping[str, PooledTexture],
+        whole: MaterialAsset | None = None,
+    ) -> None:  # fmt: skip
+        """Put another material in the place of one; its id stays. Raises InputError as `add`, and changes nothing."""
+        record, table = self.records[material], self._rows(effect).table
+        if record.effect.name == effect.name:
+            table.replace(record.row, asset, _layers(textures))
+        else:
+            record.row = table.add(asset, _layers(textures))
+        record.asset, record.effect, record.whole = asset, effect, whole
+        record.group = self._group(asset, effect, textures)
+        self.structure_rev += 1
+
+    def adopt(
+        self, effect: Effect, textures: Callable[[MaterialAsset, Path], Mapping[str, PooledTexture]]
+    ) -> list[tuple[MaterialRecord, list[Complaint]]]:
+        """Move all materials of a reloaded effect over to it; `textures` gives a material's textures by slot.
+
+        What the effect no longer takes is remembered (see MaterialRecord.whole) and told in the result."""
+        self.structure_rev += 1  # values and pipelines of its draws are new ones
+        rows = self._effects.get(effect.name)
+        if rows is None or rows.effect is effect:
+            return []
+        rows.effect, rows.table = effect, rows.table.migrate(effect)
+        told: list[tuple[MaterialRecord, list[Complaint]]] = []
+        for record in self.records:
+            if record.effect.name == effect.name:
+                whole = record.said
+                asset, complaints = fitted(effect, whole)
+                if complaints:
+                    told.append((record, complaints))
+                slots = textures(asset, record.folder)
+                rows.table.replace(record.row, asset, _layers(slots))
+                record.asset, record.effect = asset, effect
+                record.whole = whole if complaints else None
+                record.group = self._group(asset, effect, slots)
+        return told
+
+    def _rows(self, effect: Effect) -> _EffectRows:
         rows = self._effects.get(effect.name)
         if rows is None:
             rows = self._effects[effect.name] = _EffectRows(effect, MaterialTable(effect))
-        row = rows.table.add(asset, {slot: pooled.layer for slot, pooled in textures.items()})
+        return rows
+
+    def _group(self, asset: MaterialAsset, effect: Effect, textures: Mapping[str, PooledTexture]) -> int:
         key = tuple(
             (textures[slot.name].array, self._sampler(asset.textures.get(slot.name))) for slot in effect.textures
         )
         group = self._groups.setdefault(key, len(self._group_list))
         if group == len(self._group_list):
             self._group_list.append(key)
-        self.records.append(MaterialRecord(asset, effect, row, group, path))
-        self.structure_rev += 1
-        return len(self.records) - 1
+        return group
 
     def set_param(self, material: int, name: str, value: Any) -> None:
         """Set a parameter: the next frame shows it. Raises UsageError for an unknown name or a bad value."""
         record = self.records[material]
         self._effects[record.effect.name].table.set_param(record.row, name, value)
         record.asset.params[name] = value
+        if record.whole is not None:
+            record.whole.params[name] = value
 
     def get_param(self, material: int, name: str) -> Any:
         """The value as the material has it, or the effect's default."""
@@ -82,6 +145,11 @@ class MaterialStore:
         if name in record.asset.params:
             return record.asset.params[name]
         return next(p.default for p in record.effect.params if p.name == name)
+
+    @property
+    def values_rev(self) -> int:
+        """Counts changes of values, those of structure included."""
+        return self.structure_rev + sum(rows.table.rev for rows in self._effects.values())
 
     def buffer(self, effect: str) -> Buffer:
         """The GPU rows of `effect`, uploaded if they changed."""
@@ -130,3 +198,7 @@ class MaterialStore:
             self._sampler_ids[desc] = len(self._samplers)
             self._samplers.append(desc)
         return self._sampler_ids[desc]
+
+
+def _layers(textures: Mapping[str, PooledTexture]) -> dict[str, int]:
+    return {slot: pooled.layer for slot, pooled in textures.items()}

@@ -6,7 +6,8 @@ rest still loads.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from copy import deepcopy
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -23,8 +24,11 @@ from engine.assets.texture import TextureAsset
 from engine.core.errors import InputError
 from engine.core.findings import Findings
 from engine.core.paths import shaders_dir
+from engine.core.toml_source import load_toml
+from engine.core.watched import Watched
 from engine.gpu.types import Device
 from engine.materials.effect import Effect
+from engine.materials.fit import fitted, merged, unfit
 from engine.materials.library import EffectLibrary
 from engine.resources.arena import MeshArena, MeshSlice
 from engine.resources.material_store import MaterialRecord, MaterialStore
@@ -52,15 +56,26 @@ class MeshInfo:
     bounds: NDArray[np.float64]
 
 
+@dataclass(frozen=True, slots=True)
+class Reread:
+    """A material file read again: `theirs` is the file's content, `asset` what is to be shown of it."""
+
+    path: Path
+    material: int
+    asset: MaterialAsset
+    effect: Effect
+    theirs: MaterialAsset
+
+
 class Residency:
-    """`interactive`: many frames will be drawn, so time spent at loading to draw faster is well spent.
+    """`pixels`: how many will be drawn with it, about (see TexturePool).
 
     `findings` collects what went wrong while loading. `structure_rev` counts changes that alter draws."""
 
-    def __init__(self, device: Device, effects: EffectLibrary | None = None, *, interactive: bool = False) -> None:
+    def __init__(self, device: Device, effects: EffectLibrary | None = None, *, pixels: int = 0) -> None:
         self.device = device
         self.effects = effects or EffectLibrary([shaders_dir()])
-        self.pool = TexturePool(device, interactive=interactive)
+        self.pool = TexturePool(device, pixels=pixels)
         self.materials = MaterialStore(device, self.pool)
         self.arenas: list[MeshArena] = []
         self.meshes: list[MeshInfo] = []
@@ -68,6 +83,12 @@ class Residency:
         self._arena_by_layout: dict[tuple[str, ...], int] = {}
         self._mesh_files: dict[Path, list[int]] = {}
         self._material_files: dict[Path, int] = {}
+        #: the material files that were asked for
+        self.watched_materials = Watched()
+        #: why a material file is not shown as it stands
+        self.material_errors: dict[Path, InputError] = {}
+        #: by material id: its file as it was last read; None where it could not be
+        self._as_read: dict[int, MaterialAsset | None] = {}
         self._texture_files: dict[Path, PooledTexture] = {}
         self._defaults: dict[str, PooledTexture] = {}
         self._default_material = -1
@@ -106,18 +127,24 @@ class Residency:
         """The id of a material file; the magenta material (with a finding) when it cannot be read."""
         path = path.resolve()
         if path not in self._material_files:
+            self.watched_materials.add([path])
             try:
                 asset = read_material(path)
+                self._effect(path, asset.effect)
                 self._material_files[path] = self.add_material(asset, path.parent, str(path))
+                self._as_read[self._material_files[path]] = deepcopy(asset)
             except InputError as error:
+                self.material_errors[path] = error
                 self.findings.error("material.unreadable", str(error), hint="drawn in magenta")
                 self._material_files[path] = self.add_material(magenta_material(path.name), path.parent, str(path))
+                self._as_read[self._material_files[path]] = None
         return self._material_files[path]
 
     def load_materials(self, paths: Iterable[Path]) -> list[int]:
         """As load_material for many, with their textures' arrays allocated once."""
         wanted = [p.resolve() for p in paths]
         textures: dict[Path, TextureAsset] = {}
+        self.watched_materials.add(wanted)
         for path in dict.fromkeys(wanted):
             if path in self._material_files:
                 continue
@@ -139,8 +166,47 @@ class Residency:
     def add_material(self, asset: MaterialAsset, base: Path, path: str = "") -> int:
         """Add a material from memory; texture paths are relative to `base`. Raises InputError for an unknown effect."""
         effect = self.effects.get(asset.effect)
-        textures = {slot.name: self._slot_texture(asset, slot.name, slot.default, base) for slot in effect.textures}
-        return self.materials.add(asset, effect, textures, path)
+        return self.materials.add(asset, effect, self._textures(asset, effect, base), path, base)
+
+    @property
+    def material_files(self) -> Mapping[Path, int]:
+        """The material files that were asked for, and their ids."""
+        return self._material_files
+
+    def unread(self, material: int) -> bool:
+        """Whether a material shows magenta because its file or its effect could not be read."""
+        return material in self._as_read and self._as_read[material] is None
+
+    def read_again(self, path: Path) -> Reread:
+        """Read a changed material file. Parameters that were set here since it was read, and are the same in the file,
+        keep what they were set to. Raises InputError (with file:line:col); nothing is changed yet."""
+        material = self._material_files[path]
+        theirs = read_material(path)
+        effect = self._effect(path, theirs.effect)
+        _, complaints = fitted(effect, theirs)
+        if complaints:
+            raise unfit(path, complaints)
+        base = self._as_read.get(material)
+        asset = merged(base, self.materials.records[material].said, theirs) if base else deepcopy(theirs)
+        return Reread(path, material, asset, effect, theirs)
+
+    def take(self, new: Reread) -> None:
+        """Show what `read_again` gave."""
+        fits, complaints = fitted(new.effect, new.asset)
+        textures = self._textures(fits, new.effect, new.path.parent)
+        self.materials.replace(new.material, fits, new.effect, textures, new.asset if complaints else None)
+        self._as_read[new.material] = new.theirs
+
+    def adopt_effect(self, name: str) -> list[InputError]:
+        """After a hot reload of an effect: move its materials over. Returns what it no longer takes of them."""
+        effect = self.effects.get(name)
+        told = self.materials.adopt(effect, lambda asset, folder: self._textures(asset, effect, folder))
+        return [
+            unfit(Path(record.path), complaints)
+            if record.path
+            else InputError(complaints[0][1], where=record.asset.name)
+            for record, complaints in told
+        ]
 
     @property
     def default_material(self) -> int:
@@ -176,6 +242,19 @@ class Residency:
             self._arena_by_layout[layout] = len(self.arenas)
             self.arenas.append(MeshArena(self.device, layout))
         return self._arena_by_layout[layout]
+
+    def _effect(self, path: Path, name: str) -> Effect:
+        """The effect that a material file names. Raises InputError, at that line when there is none of the name."""
+        try:
+            return self.effects.get(name)
+        except InputError as error:
+            if error.where.file:
+                raise
+            source = load_toml(path)
+            raise source.error(("effect",), error.message, hint=error.hint, value=True) from error
+
+    def _textures(self, asset: MaterialAsset, effect: Effect, base: Path) -> dict[str, PooledTexture]:
+        return {slot.name: self._slot_texture(asset, slot.name, slot.default, base) for slot in effect.textures}
 
     def _slot_texture(self, asset: MaterialAsset, slot: str, default: str, base: Path) -> PooledTexture:
         ref = asset.textures.get(slot)

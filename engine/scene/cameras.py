@@ -14,7 +14,7 @@ from engine.core.errors import InputError
 from engine.core.findings import Findings
 from engine.math import transform
 from engine.scene.nodes import NodeTable
-from engine.scene.table import Rows, Table
+from engine.scene.table import Rows, RowValues, Table
 
 F8 = NDArray[np.float64]
 I8 = NDArray[np.int64]
@@ -82,6 +82,10 @@ class CameraTable(Table):
         """Return the first camera on `node`, or -1."""
         rows = np.flatnonzero(self.alive & (self.node == node))
         return int(rows[0]) if rows.size else -1
+
+    def put(self, values: RowValues) -> None:
+        super().put(values)
+        self.rev += 1
 
     def remove(self, rows: Rows) -> None:
         """Remove `rows`."""

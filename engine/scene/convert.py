@@ -65,7 +65,7 @@ def fill_scene(scene: Scene, asset: SceneAsset) -> None:
 
 def scene_asset(scene: Scene, base: SceneAsset | None) -> SceneAsset:
     """Return `scene` as an asset: rows in their order, except that a parent always precedes its children."""
-    order = _parents_first(scene)
+    order = parents_first(scene)
     index_of = {row: index for index, row in enumerate(order)}
     before = {int(row): index for index, row in enumerate(scene.row_of_node.tolist()) if row >= 0}
     joint_of = {old: index_of[row] for row, old in before.items() if row in index_of}
@@ -109,7 +109,8 @@ def _node_asset(scene: Scene, row: int, index_of: dict[int, int], joint_of: dict
     )
 
 
-def _parents_first(scene: Scene) -> list[int]:
+def parents_first(scene: Scene) -> list[int]:
+    """Return the living node rows in the order in which `scene_asset` writes them."""
     parent = scene.nodes.parent.tolist()
     order: list[int] = []
     done: set[int] = set()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -9,7 +11,7 @@ from engine.core.errors import InputError
 from engine.math.bounds import largest_scale
 from engine.scene.nodes import NodeTable
 from engine.scene.propagate import apply
-from engine.scene.table import Rows, Table, blocks
+from engine.scene.table import Rows, RowValues, Table, blocks
 
 F8 = NDArray[np.float64]
 F4 = NDArray[np.float32]
@@ -42,6 +44,8 @@ class InstanceTable(Table):
 
     A removed row stays as a hole (`alive` and `drawn` false) until it is used again.
     """
+
+    DERIVED: ClassVar[frozenset[str]] = frozenset({"offset", "world_center", "world_radius", "drawn"})
 
     def __init__(self, nodes: NodeTable) -> None:
         super().__init__("instance", _SCHEMA)
@@ -160,6 +164,10 @@ class InstanceTable(Table):
         if rows.size:
             self.remove(rows)
         return rows
+
+    def put(self, values: RowValues) -> None:
+        super().put(values)
+        self._stale_spheres = self._stale_drawn = True
 
     def set_visible(self, rows: Rows, values: ArrayLike) -> None:
         """Set the instances' own visibility, bool [k] or one for all."""

@@ -13,7 +13,7 @@ from engine.assets.scene import LightAsset
 from engine.core.errors import InputError
 from engine.core.findings import Findings
 from engine.scene.nodes import NodeTable
-from engine.scene.table import Rows, Table
+from engine.scene.table import Rows, RowValues, Table
 
 I8 = NDArray[np.int64]
 
@@ -119,6 +119,10 @@ class LightTable(Table):
             LIGHT_TYPES[self.type[row]], (r, g, b), float(self.intensity[row]), float(self.range[row]),
             float(self.inner[row]), float(self.outer[row]),
         )  # fmt: skip
+
+    def put(self, values: RowValues) -> None:
+        super().put(values)
+        self.rev += 1
 
     def remove(self, rows: Rows) -> None:
         """Remove `rows`."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,7 +13,7 @@ from engine.math import quat, transform
 from engine.scene import hierarchy as forest
 from engine.scene.hierarchy import Hierarchy
 from engine.scene.propagate import Columns, propagate
-from engine.scene.table import Rows, Table, blocks
+from engine.scene.table import Rows, RowValues, Table, blocks
 
 F8 = NDArray[np.float64]
 I8 = NDArray[np.int64]
@@ -46,6 +47,10 @@ class NodeTable(Table):
     A node given a `matrix` that is no TRS (shear) keeps the matrix's linear part until its rotation or scale is set.
     Positions are float64 metres: at 1e6 m they are exact to a tenth of a nanometre.
     """
+
+    DERIVED: ClassVar[frozenset[str]] = frozenset(
+        {"reach", "world", "visible_world", "world_rev", "turn_rev", "moved", "turned"}
+    )
 
     def __init__(self) -> None:
         super().__init__("node", _SCHEMA)
@@ -202,6 +207,14 @@ class NodeTable(Table):
             self.name[row] = ""
         self._structure_changed()
         return gone
+
+    def put(self, values: RowValues) -> None:
+        super().put(values)
+        del self.name[len(self) :]
+        self.name.extend([""] * (len(self) - len(self.name)))
+        inside = values.rows[values.rows < len(self)]
+        self._data["moved"][inside] = self._data["turned"][inside] = True
+        self._structure_changed()
 
     def reparent(self, row: int, parent: int) -> None:
         """Hang `row` below `parent` (-1: make it a root), keeping its local transform.

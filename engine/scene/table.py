@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
@@ -19,12 +20,34 @@ Schema = Mapping[str, tuple[DTypeLike, tuple[int, ...], Any]]
 _COMMON: Schema = {"alive": (np.bool_, (), False), "generation": (np.uint32, (), 0)}
 
 
+@dataclass(frozen=True, slots=True)
+class TableState:
+    """A copy of a table's own columns (not those that `update()` derives)."""
+
+    count: int
+    free: tuple[int, ...]
+    columns: Mapping[str, NDArray[Any]]
+
+
+@dataclass(frozen=True, slots=True)
+class RowValues:
+    """The values of some rows of a table, with its length and its free rows. `columns[name]` is [len(rows), ...]."""
+
+    count: int
+    free: tuple[int, ...]
+    rows: NDArray[np.int64]
+    columns: Mapping[str, NDArray[Any]]
+
+
 class Table:
     """Columns of equal length. `len(table)` counts row numbers in use or free; `alive` tells which hold something.
 
     Removing a row frees its number and raises its generation; `count` rows added after removing as many get the same
     numbers in the same order. Growth is amortised (capacity doubles).
     """
+
+    #: columns that `update()` computes from the others; no part of a remembered state
+    DERIVED: ClassVar[frozenset[str]] = frozenset()
 
     def __init__(self, what: str, schema: Schema) -> None:
         self.what = what
@@ -89,6 +112,46 @@ class Table:
             raise InputError(f"{self.what} row {dead[0]} was removed")
         return result
 
+    def remember(self) -> TableState:
+        """Return a copy of the state, for `difference`."""
+        own = (name for name in self._schema if name not in self.DERIVED)
+        return TableState(self._count, tuple(self._free), {n: self._data[n][: self._count].copy() for n in own})
+
+    def difference(self, before: TableState) -> tuple[RowValues, RowValues]:
+        """Return the rows that differ bit by bit from `before`: (as they were, as they are)."""
+        count = max(self._count, before.count)
+        old = {name: self._padded(name, values, count) for name, values in before.columns.items()}
+        new = {name: self._padded(name, self._data[name][: self._count], count) for name in before.columns}
+        changed = np.zeros(count, np.bool_)
+        for name in old:
+            changed |= (_bytes(old[name]) != _bytes(new[name])).any(axis=1)
+        rows = np.flatnonzero(changed)
+        return (
+            RowValues(before.count, before.free, rows, {n: v[rows] for n, v in old.items()}),
+            RowValues(self._count, tuple(self._free), rows, {n: v[rows] for n, v in new.items()}),
+        )
+
+    def put(self, values: RowValues) -> None:
+        """Write rows that `difference` returned, with the table's length and free rows."""
+        self._reserve(max(values.count, int(values.rows.max(initial=-1)) + 1))
+        for name, column in values.columns.items():
+            self._data[name][values.rows] = column
+        self._count = values.count
+        self._free = list(values.free)
+        self._views.clear()
+        self.structure_rev += 1
+
+    def typed(self, column: str, values: ArrayLike) -> NDArray[Any]:
+        """Return `values` as an array [k, ...] of the column's type."""
+        dtype, shape, _ = self._schema[column]
+        return np.array(values, dtype).reshape(-1, *shape)
+
+    def _padded(self, name: str, values: NDArray[Any], count: int) -> NDArray[Any]:
+        dtype, shape, fresh = self._schema[name]
+        out = np.full((count, *shape), fresh, dtype)
+        out[: len(values)] = values
+        return out
+
     def _view(self, name: str) -> NDArray[Any]:
         view = self._views.get(name)
         if view is None:
@@ -131,6 +194,13 @@ class Table:
             grown[: self._count] = self._data[name][: self._count]
             self._data[name] = grown
         self._views.clear()
+
+
+def _bytes(values: NDArray[Any]) -> NDArray[np.uint8]:
+    """Return [n, bytes of a row]: unlike ==, it tells 0.0 from -0.0."""
+    if values.shape[0] == 0:
+        return np.zeros((0, 1), np.uint8)
+    return np.ascontiguousarray(values).view(np.uint8).reshape(len(values), -1)
 
 
 def _run(rows: NDArray[np.int64]) -> slice | NDArray[np.int64]:

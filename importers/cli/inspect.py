@@ -12,6 +12,9 @@ from importers.cli.output import print_findings, print_json
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("file", metavar="FILE", help="a source, .lmesh, .lanim, .dds, .material.toml, .scene.json …")
     parser.add_argument("--allow-outside", action="store_true", help="follow URIs that leave the source's folder")
+    parser.add_argument("--scene", metavar="FILE", type=Path, help="an effect: the variants that this scene uses")
+    parser.add_argument("--source", action="store_true", help="an effect: its flattened sources and generated blocks")
+    parser.add_argument("--features", default="", metavar="A,B", help="an effect: features of the sources shown")
     parser.add_argument("--json", action="store_true", help="print one JSON value instead of text")
 
 
@@ -20,11 +23,17 @@ def run(args: argparse.Namespace) -> int:
     from importers.inspection import describe
     from importers.settings import ImportSettings
 
-    description, findings = describe(Path(args.file), ImportSettings(allow_outside=args.allow_outside))
+    description, findings = describe(
+        Path(args.file), ImportSettings(allow_outside=args.allow_outside), scene=args.scene,
+        features=tuple(name for name in args.features.split(",") if name),
+    )  # fmt: skip
     if args.json:
         print_json(description | {"findings": [finding.to_json() for finding in findings]})
     else:
+        sources = {"generated": description.pop("generated", []), **description.pop("sources", {})}
         print("\n".join(_lines(description, 0)))
+        for name, lines in sources.items() if args.source else ():
+            print("\n".join(["", f"{name}:", *(f"  {line}" for line in lines)]))
         print_findings(findings)
     return 1 if findings.has_errors else 0
 

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from engine.core.errors import UsageError
+from importers.cli.render_camera import add_camera_arguments, free_camera
 
 if TYPE_CHECKING:
     from engine.app.runtime import Runtime
@@ -27,6 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--time", type=float, default=0.0, help="seconds into the animation")
     parser.add_argument("--camera", default="", help="name of the scene's camera to use; 'auto' frames everything")
     parser.add_argument("--orbit", default="", help="AZIMUTH,ELEVATION in degrees of a camera that frames everything")
+    add_camera_arguments(parser)
     parser.add_argument("--exposure", type=float, help="EV, added to the scene's")
     parser.add_argument("--tone-map", dest="tone_map", help="agx | aces | neutral | none (default: the scene's)")
     parser.add_argument(
@@ -56,7 +58,7 @@ def run(args: argparse.Namespace) -> int:
     from importers.settings import ImportSettings
 
     device = open_device("gl")
-    runtime = Runtime(device, profile=args.stats is not None)
+    runtime = Runtime(device, profile=args.stats is not None, pixels=width * height)
     try:
         findings = open_path(runtime, args.scene, settings=ImportSettings(preset=args.preset))
         _apply_environment(runtime, args.environment)
@@ -107,6 +109,9 @@ def _render_settings(args: argparse.Namespace) -> RenderSettings:
 def _camera(runtime: Runtime, args: argparse.Namespace, aspect: float) -> Camera:
     from engine.render.camera import Camera
 
+    free = free_camera(args)
+    if free is not None:
+        return free
     if args.orbit:
         try:
             azimuth, elevation = (float(v) for v in args.orbit.split(","))

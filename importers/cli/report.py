@@ -102,18 +102,14 @@ def _open_device() -> Device | None:
         return None
 
 
-def _run_one(
-    name: str, experiment: Experiment, device: Device | None, args: argparse.Namespace, where: str
-) -> Result:
+def _run_one(name: str, experiment: Experiment, device: Device | None, args: argparse.Namespace, where: str) -> Result:
     from engine.experiments.harness.context import Context
     from engine.experiments.harness.sweep import run_experiment
     from importers.cli.output import terminal_progress
     from importers.cli.report_tools import ImporterTools
 
     progress = terminal_progress()
-    context = Context(
-        device=device, quick=args.quick, seed=args.seed, tools=ImporterTools(), scenes=tuple(args.scene)
-    )
+    context = Context(device=device, quick=args.quick, seed=args.seed, tools=ImporterTools(), scenes=tuple(args.scene))
     say = None if progress is None else lambda text: progress(f"{where} {name}: {text}", 0.5)
     try:
         return run_experiment(name, experiment, context, say)
@@ -151,5 +147,3 @@ def _compare(a: Path, b: Path, *, as_json: bool) -> int:
     else:
         print("\n".join(result.lines()))
     return 1 if result.regressions else 0
-
-

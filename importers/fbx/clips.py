@@ -9,14 +9,15 @@ from engine.assets.clip import Channel, ClipAsset
 from engine.assets.scene import NodeAsset
 from importers.fbx import morphs
 from importers.fbx.document import LARGEST, FbxDocument, Json
+from importers.fbx.geometry_cache import frame_weights
 
 Floats = NDArray[np.float64]
 
 
 def read_clips(
-    doc: FbxDocument, nodes: list[NodeAsset], rows: dict[int, int], shapes: dict[int, list[morphs.Channel]]
+    doc: FbxDocument, nodes: list[NodeAsset], rows: dict[int, int], shapes: dict[int, morphs.Shapes]
 ) -> list[ClipAsset]:
-    """One clip per stack that moves something. `shapes[row]`: the blend channels of the mesh on that node."""
+    """One clip per stack that moves something. `shapes[row]`: what shapes the mesh on that node."""
     clips = []
     for index, stack in enumerate(doc.data["stacks"]):
         name = str(stack["name"]) or f"clip_{index}"
@@ -37,8 +38,10 @@ def read_clips(
             channel = _channel(row, path, *keys, nodes[row].name)
             (resting if _rests(keys[1], path, nodes[row]) else clip.channels).append(channel)
         clip.channels += _weight_channels(doc, stack, span, nodes, shapes, where)
-        for what in sorted(set(stack["others"])):
-            doc.findings.info("fbx.animation", f"the animation of {what!r} is not imported", where)
+        others = sorted(set(stack["others"]))
+        if others:
+            some = ", ".join(repr(name) for name in others[:5]) + (" …" if len(others) > 5 else "")
+            doc.findings.info("fbx.animation", f"the animation of {some} is not imported", where)
         if not clip.channels and len(doc.data["stacks"]) > 1:
             # of several clips one may hold the rest pose: it brings back what the others moved
             clip.channels = [c for c in resting if c.times[-1] > 0]
@@ -104,21 +107,25 @@ def _channel(row: int, path: str, times: Floats, values: Floats, target: str) ->
 
 def _weight_channels(
     doc: FbxDocument, stack: Json, span: tuple[float, float], nodes: list[NodeAsset],
-    shapes: dict[int, list[morphs.Channel]], where: str,
+    shapes: dict[int, morphs.Shapes], where: str,
 ) -> list[Channel]:  # fmt: skip
     """One channel per node with animated shapes, holding the weights of all its morph targets."""
     animated = {int(element): (times, values) for element, times, values in stack["weights"]}
     result = []
-    for row, channels in shapes.items():
+    for row, entry in shapes.items():
+        channels, cached = entry.channels, entry.cache_times - span[0]
         curves: dict[int, tuple[Floats, Floats]] = {}
         for channel in channels:
             if channel.element in animated:
                 keys = _keys(doc, *animated[channel.element], span, f"{where}.{nodes[row].name}.weights")
                 if keys is not None:
                     curves[channel.element] = (keys[0], keys[1][:, 0] / 100.0)
-        if not curves:
+        if not curves and not len(cached):
             continue
         moments = [t for t, _ in curves.values()]
+        if len(cached):
+            length = max(span[1] - span[0], 0.0)
+            moments += [cached[(cached >= 0.0) & (cached <= length)], np.array([0.0, length])]
         moments += [morphs.crossings(c.targets, *curves[c.element]) for c in channels if c.element in curves]
         times = np.unique(np.concatenate(moments))
         columns = []
@@ -128,6 +135,8 @@ def _weight_channels(
             else:
                 weight = np.full(len(times), channel.weight)
             columns.append(morphs.effective_weights(channel.targets, weight))
+        if len(cached):
+            columns.append(frame_weights(cached, times))
         values = np.concatenate(columns, axis=1)
         if not np.allclose(values, np.asarray(nodes[row].weights), rtol=1e-9, atol=1e-12):
             result.append(_channel(row, "weights", times, values, nodes[row].name))

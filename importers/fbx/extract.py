@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from engine.core.errors import FormatError
 from importers.fbx.extract_animation import read_stacks
-from importers.fbx.extract_materials import read_materials, read_textures
+from importers.fbx.extract_materials import read_cache_files, read_materials, read_textures
 from importers.fbx.extract_meshes import read_mesh
 from importers.fbx.native import Handle, load
 
@@ -24,7 +24,7 @@ from importers.fbx.native import Handle, load
 _LEFT_OUT = {
     "nurbs_curves": "NURBS curves", "nurbs_surfaces": "NURBS surfaces", "line_curves": "line curves",
     "procedural_geometries": "procedural geometries", "constraints": "constraints", "audio_clips": "audio clips",
-    "lod_groups": "LOD groups (all levels are imported)", "characters": "characters",
+    "characters": "characters",
 }  # fmt: skip
 _MAX_DEPTH = 1000
 
@@ -43,16 +43,11 @@ class Output:
 
 
 def extract(request: dict[str, Any]) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
-    """Read `request["path"]`. With `request["names_only"]` only the textures' names are read.
-
-    Raises FormatError where ufbx refuses the file, MemoryError where it wants too much.
-    """
-    names_only = bool(request.get("names_only"))
-    scene = _load(str(request["path"]), names_only)
+    """Read `request["path"]`. Raises FormatError where ufbx refuses the file, MemoryError where it wants too much."""
+    scene = _load(str(request["path"]))
     out = Output()
-    out.data["textures"] = read_textures(scene, out, content=not names_only)
-    if names_only:
-        return out.data, out.arrays
+    out.data["textures"] = read_textures(scene, out)
+    out.data["cache_files"] = read_cache_files(scene)
     settings, metadata = scene.settings, scene.metadata
     frame_rate = settings.frames_per_second
     out.data |= {
@@ -63,7 +58,7 @@ def extract(request: dict[str, Any]) -> tuple[dict[str, Any], dict[str, NDArray[
         "application": metadata.original_application.name,
         "frame_rate": frame_rate if 0.1 < frame_rate < 10000 else 30.0,
         "unit_meters": _number(settings.original_unit_meters or settings.unit_meters, 1.0),
-        "up_axis": ufbx.CoordinateAxis(int(settings.original_axis_up)).name.lower(),
+        "up_axis": _up_axis(settings),
         "default_camera": settings.default_camera,
         "warnings": [[w.description, w.count] for w in metadata.warnings],
         "left_out": [
@@ -79,7 +74,14 @@ def extract(request: dict[str, Any]) -> tuple[dict[str, Any], dict[str, NDArray[
     return out.data, out.arrays
 
 
-def _load(path: str, names_only: bool) -> Handle:
+def _up_axis(settings: Handle) -> str:
+    """The axis that the file declares to point up: +y, -z, …; +y where it declares none."""
+    axis = min(max(int(settings.props.find_int("UpAxis", 1)), 0), 2)
+    sign = "-" if int(settings.props.find_int("UpAxisSign", 1)) < 0 else "+"
+    return sign + "xyz"[axis]
+
+
+def _load(path: str) -> Handle:
     axes = ufbx.axes_right_handed_y_up
     try:
         return load(
@@ -89,7 +91,7 @@ def _load(path: str, names_only: bool) -> Handle:
             inherit_mode_handling=ufbx.InheritModeHandling.HELPER_NODES,
             geometry_transform_helper_name="geometry", scale_helper_name="scale",
             generate_missing_normals=True, clean_skin_weights=True, node_depth_limit=_MAX_DEPTH,
-            ignore_geometry=names_only, ignore_animation=names_only, ignore_embedded=names_only,
+            use_blender_pbr_material=True,
             load_external_files=False,
         )  # fmt: skip
     except (ufbx.OutOfMemoryError, ufbx.MemoryLimitError, ufbx.AllocationLimitError) as error:

@@ -13,20 +13,26 @@ if TYPE_CHECKING:
     from importers.fbx.extract import Output
 
 
-def read_textures(scene: Handle, out: Output, content: bool = True) -> list[dict[str, Any]]:
-    return [_texture(texture, out, content) for texture in scene.textures]
+def read_textures(scene: Handle, out: Output) -> list[dict[str, Any]]:
+    return [_texture(texture, out) for texture in scene.textures]
+
+
+def read_cache_files(scene: Handle) -> list[list[str]]:
+    """The names of the point caches that the scene refers to."""
+    return [[cache.relative_filename, cache.absolute_filename] for cache in scene.cache_files]
 
 
 def read_materials(scene: Handle) -> list[dict[str, Any]]:
     return [_material(material) for material in scene.materials]
 
 
-def _texture(texture: Handle, out: Output, content: bool) -> dict[str, Any]:
+def _texture(texture: Handle, out: Output) -> dict[str, Any]:
     matrix = texture.uv_to_texture
     described: dict[str, Any] = {
         "name": texture.name,
         "type": ufbx.TextureType(int(texture.type)).name.lower(),
-        "files": [texture.relative_filename, texture.filename, texture.absolute_filename],
+        # as they stand in the file; ufbx's own `filename` depends on where the file lies
+        "files": [texture.relative_filename, texture.absolute_filename],
         "layers": [int(layer.typed_id) for layer in texture.file_textures],
         "uv_set": texture.uv_set,
         "clamp": [int(texture.wrap_u) == 1, int(texture.wrap_v) == 1],
@@ -34,10 +40,9 @@ def _texture(texture: Handle, out: Output, content: bool) -> dict[str, Any]:
         "matrix": [[_finite(matrix[c][r]) for c in (0, 1, 3)] for r in (0, 1)] if texture.has_uv_transform else None,
         "content": "",
     }
-    if content:
-        data = texture.content or (texture.video.content if texture.video is not None else b"")
-        if data:
-            described["content"] = out.put(np.frombuffer(data, np.uint8))
+    data = texture.content or (texture.video.content if texture.video is not None else b"")
+    if data:
+        described["content"] = out.put(np.frombuffer(data, np.uint8))
     return described
 
 

@@ -129,7 +129,7 @@ def _cache(cache: Handle) -> dict[str, Any]:
     file = cache.file
     return {
         "channel": cache.channel,
-        "files": [] if file is None else [file.relative_filename, file.filename, file.absolute_filename],
+        "files": [] if file is None else [file.relative_filename, file.absolute_filename],
     }
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import io
 from collections.abc import Callable, Hashable
 from pathlib import Path, PurePosixPath
@@ -35,7 +36,9 @@ class Images:
         entry = self._doc.textures[texture]
         content = str(entry["content"])
         names = [str(name) for name in entry["files"]]
-        key: Hashable = ("content", content) if content else ("file", *names)
+        key: Hashable = ("file", *names)
+        if content:
+            key = ("content", hashlib.blake2b(self._doc.bytes_of(content), digest_size=16).digest())
         if key not in self._known:
             data = self._source(texture)
             if data is None:
@@ -45,6 +48,10 @@ class Images:
                 self._known[key] = self._add(name, data, f"textures[{entry['name'] or texture}]")
         return self._known[key]
 
+    def find(self, names: list[str]) -> Search:
+        """A file beside the source, by the names it goes by in there."""
+        return self._finder.find(names)
+
     def packed(self, kind: str, inputs: tuple[int, ...], pack: Callable[..., Pixels]) -> int:
         """An image made by `pack` from the pixels u1[h,w,4] of `inputs` (image numbers, -1: None is given)."""
         key = (kind, *inputs)
@@ -53,7 +60,7 @@ class Images:
             title = "_".join(dict.fromkeys(s.name for s in sources if s is not None))
 
             def fetch() -> bytes | None:
-                return self._packed([s for s in sources], pack)
+                return self._packed(sources, pack)
 
             self._known[key] = self._add(title, fetch, f"{kind} of {title}")
         return self._known[key]
@@ -70,7 +77,8 @@ class Images:
             return lambda: doc.bytes_of(content)
         search = self._finder.find([str(name) for name in entry["files"]])
         if search.path is None:
-            _report(doc, search, where)
+            given = next((str(name) for name in entry["files"] if name), "")
+            _report(doc, given, search, where)
             return None
         path = search.path
         self.files.append(path)
@@ -171,9 +179,11 @@ def _resized(pixels: Pixels, size: tuple[int, int]) -> Pixels:
     return np.asarray(Image.fromarray(pixels).resize(size, Image.Resampling.BILINEAR), np.uint8)
 
 
-def _report(doc: FbxDocument, search: Search, where: str) -> None:
-    tried = ", ".join(repr(name) for name in search.tried[:6]) or "no name"
+def _report(doc: FbxDocument, given: str, search: Search, where: str) -> None:
+    tried = ", ".join(repr(name) for name in search.tried[:4]) or "no name"
     hint = f"did you mean {search.similar[0]!r}?" if search.similar else "put the file beside the source"
     if len(search.similar) > 1:
         hint = f"did you mean one of {', '.join(map(repr, search.similar))}?"
-    doc.findings.error("fbx.texture", f"the image is not found; tried {tried}; drawn as magenta", where, hint)
+    doc.findings.error(
+        "fbx.texture", f"the image {given!r} is not found; tried {tried}; drawn as magenta", where, hint
+    )  # fmt: skip

@@ -20,6 +20,7 @@ from importers.model import ImportedMaterial, TextureUse
 _NORMAL_WORDS = ("normal", "nrm", "norm", "_n.", "_nor", "_nm")
 #: maps that are kept as text and not shown
 _KEPT = ("transmission", "subsurface", "sheen", "coat", "thin_film", "specular_anisotropy", "displacement_map")
+_PLAIN_SHADERS = ("fbx_lambert", "fbx_phong", "blender_phong", "wavefront_mtl", "unknown")
 
 
 @dataclass(slots=True)
@@ -134,7 +135,7 @@ def _metal_rough(source: _Source) -> None:
         number = source.images.packed("metal_gloss" if glossy else "metal_rough", (first, second),
                                       pack.metal_gloss if glossy else pack.metal_rough)  # fmt: skip
         source.doc.findings.info(
-            "fbx.packed", f"{'glossiness' if glossy else 'roughness'} and metalness are packed into one texture", source.where
+            "fbx.packed", f"{rough_name} and metalness are packed into one texture", source.where
         )  # fmt: skip
     source.result.images["metal_rough_map"] = TextureUse(number, "metal_rough")
 
@@ -144,7 +145,10 @@ def _specular(source: _Source) -> None:
     ior = source.map("specular_ior")
     if ior is not None and ior["has_value"] and ior["value"][0] > 0:
         params["ior"] = min(max(float(ior["value"][0]), 1.0), 4.0)
-    if entry["shader"] in ("fbx_lambert", "fbx_phong", "blender_phong", "wavefront_mtl", "unknown"):
+    if entry["shader"] == "blender_phong":
+        # Blender writes half of its own value, of which 0.5 is a dielectric's 4 %
+        params["specular"] = _clamp(4.0 * source.value("specular_factor", 0.25, "fbx"))
+    if entry["shader"] in _PLAIN_SHADERS:
         return  # what Phong calls specular is no reflectance of a dielectric
     if source.map("specular_factor") is not None:
         params["specular"] = _clamp(source.value("specular_factor", 1.0))
@@ -164,6 +168,8 @@ def _specular(source: _Source) -> None:
 def _emissive(source: _Source) -> None:
     params = source.result.asset.params
     factor = max(source.value("emission_factor", 1.0), 0.0)
+    if source.entry["shader"] == "openpbr_material":
+        factor /= 1000.0  # candela per square metre; 1000 is a white screen at full brightness
     color = source.color("emission_color", (0.0, 0.0, 0.0))
     texture = source.texture("emission_color")
     if texture >= 0:
@@ -243,6 +249,8 @@ def _opacity(source: _Source) -> None:
 
 def _keep(source: _Source) -> None:
     """Keep what the effect has no word for."""
+    if source.entry["shader"] in _PLAIN_SHADERS:
+        return  # their transparency is alpha, and they have nothing else
     kept: dict[str, Any] = {}
     for name, entry in source.entry["pbr"].items():
         if (

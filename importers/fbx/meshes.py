@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.assets.mesh import STREAMS, MeshAsset, Submesh
+from engine.assets.mesh import STREAMS, MeshAsset, MorphTarget, Submesh
 from importers.fbx.document import LARGEST, FbxDocument, Json
 from importers.fbx.morphs import read_morphs
 from importers.fbx.skins import Skin
@@ -36,11 +36,13 @@ class _Vertices:
 
 
 def build_mesh(
-    doc: FbxDocument, index: int, materials: list[int], skin: Skin | None, normal_uv: list[int | None]
-) -> tuple[MeshAsset, list[int]] | None:
+    doc: FbxDocument, index: int, materials: list[int], skin: Skin | None, normal_uv: list[int | None],
+    frames: NDArray[np.float64],
+) -> tuple[MeshAsset, list[int]] | None:  # fmt: skip
     """Mesh `index` with its slots' materials; `materials`: those of the node, by the mesh's material numbers.
 
-    `normal_uv[m]`: the uv set of material m's normal map, or None. None (with a finding) where nothing can be drawn.
+    `normal_uv[m]`: the uv set of material m's normal map, or None. `frames` f8[k,points,3]: positions that become morph
+    targets after those of the blend shapes. None (with a finding) where nothing can be drawn.
     """
     mesh = doc.meshes[index]
     name = str(mesh["name"]) or f"mesh_{index}"
@@ -77,6 +79,9 @@ def build_mesh(
                 asset.extras["dual_quaternion_share"] = [round(float(v), 6) for v in skin.dq_share[vertices.point]]
             doc.findings.info("fbx.skin", "dual-quaternion skinning is kept; the renderer blends linearly", where)
     asset.morphs = read_morphs(doc, mesh, vertices.point, where)
+    for k, frame in enumerate(frames):
+        offsets = np.ascontiguousarray((frame - positions)[vertices.point].astype("<f4"))
+        asset.morphs.append(MorphTarget(f"frame_{k}", {"position": offsets}))
     return asset, slots
 
 

@@ -17,6 +17,15 @@ from importers.fbx.document import FbxDocument, Json
 Floats = NDArray[np.float64]
 
 
+@dataclass(slots=True)
+class Shapes:
+    """All that shapes the mesh of one node: blend channels, and after their targets one per frame of a point cache,
+    with the frames' times f8[k] in the file's own seconds."""
+
+    channels: list[Channel]
+    cache_times: NDArray[np.float64]
+
+
 @dataclass(frozen=True, slots=True)
 class Channel:
     """`first`: its first morph target; `targets`: rising target weights, one per morph target."""

@@ -1,7 +1,8 @@
 """Nodes, lights and cameras: the worker's scene as NodeAssets, without the cameras that every exporter adds.
 
-Lights have no physical unit in FBX: a light of intensity 1 (100 %) makes a facing white surface 1, as the classic
-renderers did, so it has pi lux; one without decay is given what it needs for that at the middle of the scene.
+Lights have no physical unit in FBX. Blender writes its own: irradiance for suns, radiant power for the rest. Others: a
+light of intensity 1 (100 %) makes a facing white surface 1, as the classic renderers did, so it has pi lux; one without
+decay is given what it needs for that at the middle of the scene.
 """
 
 from __future__ import annotations
@@ -37,6 +38,9 @@ def read_nodes(doc: FbxDocument) -> tuple[list[NodeAsset], dict[int, int]]:
             (float(t[0]), float(t[1]), float(t[2])), _unit(q), (float(s[0]), float(s[1]), float(s[2])),
             visible=bool(node["visible"]),
         )  # fmt: skip
+        if _is_lower_level(doc, index):
+            asset.visible = False
+            doc.findings.info("fbx.lod", "a lower level of detail; hidden", f"nodes[{doc.names[index]}]")
         if node["light"] >= 0:
             distance = float(np.linalg.norm(world[index, :3, 3] - middle))
             asset.light = _light(doc, doc.data["lights"][node["light"]], distance, index)
@@ -67,6 +71,12 @@ def _is_dropped(doc: FbxDocument, index: int, node: Json, has_children: set[int]
         return True
     system = node["name"] in _SYSTEM_CAMERAS and node["kind"] in ("camera", "camera_switcher", "unknown")
     return system and index not in has_children
+
+
+def _is_lower_level(doc: FbxDocument, index: int) -> bool:
+    """Whether the node is one of an LOD group's, and not its first."""
+    parent = doc.parents[index]
+    return parent >= 0 and doc.nodes[parent]["kind"] == "lod_group" and parent in doc.parents[:index]
 
 
 def _unit(q: NDArray[np.float64]) -> tuple[float, float, float, float]:
@@ -108,10 +118,12 @@ def _light(doc: FbxDocument, light: Json, distance: float, index: int) -> LightA
     asset = LightAsset({"directional": "directional", "spot": "spot"}.get(kind, "point"))
     r, g, b = (max(float(v), 0.0) for v in light["color"])
     asset.color = (r, g, b)
-    asset.intensity = math.pi * max(float(light["intensity"]), 0.0)
-    if not light["on"]:
-        asset.intensity = 0.0
-    if asset.type != "directional":
+    strength = max(float(light["intensity"]), 0.0) if light["on"] else 0.0
+    asset.intensity = math.pi * strength
+    if str(doc.data["application"]).startswith("Blender"):
+        # power spread over the whole sphere
+        asset.intensity = strength if asset.type == "directional" else strength / (4 * math.pi)
+    elif asset.type != "directional":
         if light["decay"] == "quadratic":
             asset.intensity *= float(doc.data["unit_meters"]) ** 2
         else:

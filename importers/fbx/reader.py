@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import json
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from engine.animation.pose import BIND_WORLD
+from engine.assets.material import MaterialAsset
 from engine.assets.scene import MeshRef, NodeAsset
 from engine.core.atomic import write_text
 from engine.core.errors import FormatError, InputError, LucarnaError, Place
@@ -17,7 +20,8 @@ from engine.core.findings import Findings
 from engine.core.paths import user_cache_dir
 from importers.fbx import morphs
 from importers.fbx.clips import read_clips
-from importers.fbx.document import FbxDocument
+from importers.fbx.document import FbxDocument, Json
+from importers.fbx.geometry_cache import PointCache, data_files, read_cache, thinned
 from importers.fbx.images import Images
 from importers.fbx.materials import read_material
 from importers.fbx.meshes import build_mesh
@@ -26,10 +30,13 @@ from importers.fbx.skins import OWN_NODE, Skin, read_skin
 from importers.fbx.texture_files import TextureFinder
 from importers.gltf.materials import normal_map_uv
 from importers.gltf.uris import similar_name_hint
-from importers.model import ImportedModel
+from importers.model import ImportedMaterial, ImportedModel
 from importers.settings import ImportSettings
 from importers.workers.runner import WorkerLimits, WorkerResult, run_in_worker
 
+_NO_CACHE = PointCache(np.zeros(0), np.zeros((0, 0, 3)))
+#: the digest and result of the file read last, while nothing has used it
+_recent: list[tuple[str, WorkerResult]] = []
 _TASK = "importers.fbx.extract:extract"
 
 
@@ -37,7 +44,7 @@ def load(path: Path, settings: ImportSettings) -> ImportedModel:
     """Read an .fbx whole. Raises InputError or FormatError where nothing can be had from it; everything less is a
     finding of the model, and the rest is imported."""
     findings = Findings(str(path))
-    result = _run(path, settings, names_only=False)
+    result = _read(path, settings, _digest(path, settings))
     try:
         doc = FbxDocument(result, findings)
         return _Builder(doc, path, settings).build()
@@ -63,10 +70,14 @@ def dependencies(path: Path, settings: ImportSettings) -> list[tuple[str, Path]]
         search = finder.find(names)
         name = next((n for n in names if n), "")
         found.append((name, search.path or path.parent / Path(name.replace("\\", "/")).name))
+        if search.path is not None and search.path.suffix.lower() == ".xml":
+            with contextlib.suppress(InputError, OSError):
+                found += [(file.name, file) for file in data_files(search.path)]
     return found
 
 
-def _run(path: Path, settings: ImportSettings, *, names_only: bool) -> WorkerResult:
+def _digest(path: Path, settings: ImportSettings) -> str:
+    """The content's digest. Raises InputError where there is no regular file of an allowed size."""
     if not path.is_file():
         if path.exists():
             raise InputError("is not a regular file", where=path, hint="pipes, devices and folders are not read")
@@ -74,31 +85,48 @@ def _run(path: Path, settings: ImportSettings, *, names_only: bool) -> WorkerRes
     size = path.stat().st_size
     if size > settings.max_file_bytes:
         raise InputError(f"has {size:,} bytes; the limit is {settings.max_file_bytes:,}", where=path)
-    limits = WorkerLimits(settings.max_worker_seconds, settings.max_worker_bytes)
-    request = {"path": str(path.resolve()), "names_only": names_only}
-    return run_in_worker(_TASK, request, path, limits, "the FBX reader")
+    try:
+        with path.open("rb") as file:
+            return hashlib.file_digest(file, lambda: hashlib.blake2b(digest_size=16)).hexdigest()
+    except OSError as error:
+        raise InputError(f"cannot read: {error.strerror or error}", where=path) from error
 
 
 def _texture_names(path: Path, settings: ImportSettings) -> list[list[str]]:
-    try:
-        with path.open("rb") as file:
-            digest = hashlib.file_digest(file, lambda: hashlib.blake2b(digest_size=16)).hexdigest()
-    except OSError as error:
-        raise InputError(f"cannot read: {error.strerror or error}", where=path) from error
-    memo = user_cache_dir() / "fbx_textures" / f"{digest}.json"
+    digest = _digest(path, settings)
+    memo = _memo(digest)
     try:
         known: list[list[str]] = json.loads(memo.read_text(encoding="utf-8"))
         if all(isinstance(name, str) for names in known for name in names):
             return known
     except (OSError, ValueError, TypeError):
         pass
-    result = _run(path, settings, names_only=True)
-    names = [[str(n) for n in texture["files"]] for texture in result.data["textures"] if texture["type"] == "file"]
-    try:
-        write_text(memo, json.dumps(names))
-    except LucarnaError:
-        return names  # the memo saves time only
-    return names
+    # whoever asks for the dependencies mostly loads the file next
+    result = _read(path, settings, digest)
+    _recent[:] = [(digest, result)]
+    return _names(result)
+
+
+def _read(path: Path, settings: ImportSettings, digest: str) -> WorkerResult:
+    """What the worker makes of the file, or made of it just before; the textures' names are written down."""
+    kept = [result for known, result in _recent if known == digest]
+    _recent.clear()
+    if kept:
+        return kept[0]
+    limits = WorkerLimits(settings.max_worker_seconds, settings.max_worker_bytes)
+    result = run_in_worker(_TASK, {"path": str(path.resolve())}, path, limits, "the FBX reader")
+    with contextlib.suppress(LucarnaError):  # the memo saves time only
+        write_text(_memo(digest), json.dumps(_names(result)))
+    return result
+
+
+def _names(result: WorkerResult) -> list[list[str]]:
+    textures = [texture["files"] for texture in result.data["textures"] if texture["type"] == "file"]
+    return [[str(name) for name in files] for files in (*textures, *result.data["cache_files"])]
+
+
+def _memo(digest: str) -> Path:
+    return user_cache_dir() / "fbx_names" / f"{digest}.json"
 
 
 class _Builder:
@@ -108,7 +136,9 @@ class _Builder:
         self._doc = doc
         self._images = Images(doc, path, settings)
         self._model = ImportedModel(path.stem, doc.findings)
-        self._built: dict[tuple[object, ...], tuple[int, Skin | None]] = {}
+        self._settings = settings
+        self._default = -1
+        self._built: dict[tuple[object, ...], tuple[int, Skin | None, NDArray[np.float64]]] = {}
 
     def build(self) -> ImportedModel:
         doc, model = self._doc, self._model
@@ -120,12 +150,12 @@ class _Builder:
         model.dependencies = self._images.files
         model.nodes, rows = read_nodes(doc)
         model.active_camera = active_camera(doc, rows)
-        shapes: dict[int, list[morphs.Channel]] = {}
+        shapes: dict[int, morphs.Shapes] = {}
         for index, node in enumerate(doc.nodes):
             if index in rows and node["mesh"] >= 0:
-                channels = self._attach(index, model.nodes[rows[index]], rows)
-                if channels:
-                    shapes[rows[index]] = channels
+                found = self._attach(index, model.nodes[rows[index]], rows)
+                if found.channels or len(found.cache_times):
+                    shapes[rows[index]] = found
         model.clips = read_clips(doc, model.nodes, rows, shapes)
         self._carry_skins(rows)
         if not model.meshes:
@@ -133,8 +163,8 @@ class _Builder:
         model.summary |= self._summary()
         return model
 
-    def _attach(self, index: int, asset: NodeAsset, rows: dict[int, int]) -> list[morphs.Channel]:
-        """Hang the node's mesh on it; returns the mesh's blend channels."""
+    def _attach(self, index: int, asset: NodeAsset, rows: dict[int, int]) -> morphs.Shapes:
+        """Hang the node's mesh on it; returns what shapes the mesh."""
         doc, node = self._doc, self._doc.nodes[index]
         mesh = doc.meshes[node["mesh"]]
         own, shared = [int(m) for m in node["materials"]], [int(m) for m in mesh["materials"]]
@@ -144,25 +174,67 @@ class _Builder:
             where = f"meshes[{mesh['name'] or node['mesh']}]"
             skin = read_skin(doc, mesh, index, where) if mesh["skins"] else None
             normal_uv = [normal_map_uv(m) for m in self._model.materials]
-            built = build_mesh(doc, int(node["mesh"]), materials, skin, normal_uv)
+            cache = self._cache(mesh, where) if mesh["caches"] else _NO_CACHE
+            built = build_mesh(doc, int(node["mesh"]), materials, skin, normal_uv, cache.points)
             number = -1
             if built is not None:
                 number = len(self._model.meshes)
                 if not mesh["name"]:
                     built[0].name = asset.name
                 self._model.meshes.append(built[0])
-                self._model.slots.append(built[1])
-            self._built[key] = (number, skin)
-        number, skin = self._built[key]
+                self._model.slots.append([m if m >= 0 else self._default_material() for m in built[1]])
+            self._built[key] = (number, skin, cache.times)
+        number, skin, cache_times = self._built[key]
         if number < 0:
-            return []
+            return morphs.Shapes([], _NO_CACHE.times)
         asset.mesh = MeshRef("", number, self._model.meshes[number].name)
         if skin is not None:
             joints = [index if joint == OWN_NODE else joint for joint in skin.joints]
             asset.joints = [rows[joint] for joint in joints]
         channels = morphs.read_channels(mesh)
-        asset.weights = morphs.rest_weights(channels)
-        return channels
+        asset.weights = morphs.rest_weights(channels) + [0.0] * len(cache_times)
+        return morphs.Shapes(channels, cache_times)
+
+    def _default_material(self) -> int:
+        """A plain grey for faces without a material; the engine's own default is a metal."""
+        materials = self._model.materials
+        if self._default < 0:
+            params = {"base_color": (0.8, 0.8, 0.8, 1.0), "metallic": 0.0, "roughness": 0.5}
+            materials.append(ImportedMaterial(MaterialAsset("default", params=params)))
+            self._default = len(materials) - 1
+        return self._default
+
+    def _cache(self, mesh: Json, where: str) -> PointCache:
+        """The mesh's point cache in metres; an empty one (with a finding) where it is not to be had."""
+        doc = self._doc
+        points = len(doc.array(mesh["positions"]))
+        for entry in mesh["caches"]:
+            names = [str(name) for name in entry["files"]]
+            search = self._images.find(names)
+            if search.path is None:
+                doc.findings.error(
+                    "fbx.cache", f"the point cache {next((n for n in names if n), '')!r} is not found", where,
+                    "put the file beside the source; without it the mesh keeps its first shape",
+                )  # fmt: skip
+                continue
+            try:
+                cache = read_cache(
+                    search.path, str(entry["channel"]), points, float(doc.data["frame_rate"]),
+                    self._settings.max_decoded_bytes // 4,
+                )  # fmt: skip
+            except (InputError, OSError) as error:
+                # a cache of normals beside the one of positions is no fault
+                if len(mesh["caches"]) == 1:
+                    doc.findings.error("fbx.cache", f"the point cache cannot be read: {error}", where)
+                continue
+            kept = thinned(cache)
+            if len(kept.times) < len(cache.times):
+                doc.findings.warn(
+                    "fbx.cache", f"of {len(cache.times):,} cached frames {len(kept.times)} are kept", where
+                )
+            self._images.files.append(search.path)
+            return PointCache(kept.times, kept.points * float(doc.data["unit_meters"]))
+        return _NO_CACHE
 
     def _carry_skins(self, rows: dict[int, int]) -> None:
         """Maya moves a skinned mesh with its node as well. Elsewhere, and where parents move it, joints decide."""

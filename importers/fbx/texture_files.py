@@ -8,6 +8,7 @@ itself (`../x.png`, `/etc/x`) is never followed, only its file name is searched.
 from __future__ import annotations
 
 import difflib
+import os
 import re
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
@@ -63,10 +64,11 @@ class TextureFinder:
             places += [(above, images), *((above / folder, base) for folder in _FOLDERS if images)]
         for folder, wanted in places:
             for tail in wanted:
-                search.path = self._open(folder, tail)
+                search.path = self._open(folder, tail, links=folder.is_relative_to(self._root))
                 if search.path is not None:
                     return search
-        search.tried += [str(folder / tail) for folder, wanted in places[:2] for tail in wanted[-1:]]
+        search.tried += [_shown(folder / tail, self._root) for folder, wanted in places for tail in wanted[-1:]]
+        search.tried = list(dict.fromkeys(search.tried))
         search.similar = self._similar(base[0]) if base else []
         return search
 
@@ -76,8 +78,9 @@ class TextureFinder:
         wanted = [f"{self._stem}.fbm".lower(), *_FOLDERS]
         return [here[name] for name in wanted if name in here]
 
-    def _open(self, folder: Path, name: str) -> Path | None:
-        """The regular file `folder`/`name`, each part in any letter case, not leaving `folder` (by links, either)."""
+    def _open(self, folder: Path, name: str, links: bool = True) -> Path | None:
+        """The regular file `folder`/`name`, each part in any letter case, not leaving the source's folder by links;
+        without `links` not through any."""
         path = folder
         for part in PurePosixPath(name).parts:
             found = self._names(path).get(part.lower())
@@ -85,7 +88,7 @@ class TextureFinder:
                 return None
             path = path / (part if part in self._names(path).values() else found)
         resolved = _regular(path)
-        inside = resolved is not None and resolved.is_relative_to(folder.resolve())
+        inside = resolved is not None and (resolved.is_relative_to(self._root) if links else resolved == path)
         return resolved if inside or self._allow_outside else None
 
     def _names(self, folder: Path) -> dict[str, str]:
@@ -108,6 +111,11 @@ class TextureFinder:
         alike = [lower for lower in here if PurePosixPath(lower).stem == stem]
         alike += difflib.get_close_matches(name.lower(), here, 2, 0.7)
         return [here[lower] for lower in dict.fromkeys(alike)][:3]
+
+
+def _shown(path: Path, root: Path) -> str:
+    """Relative to the source's folder, alike on every machine."""
+    return Path(os.path.relpath(path, root)).as_posix()
 
 
 def _tails(name: str) -> list[str]:

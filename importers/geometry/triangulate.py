@@ -20,6 +20,8 @@ def triangulate(corners: Floats, first: Ints, count: Ints) -> tuple[Ints, Ints]:
     Returns triangles i8[t,3] of corner numbers, wound as the polygons are, and each one's polygon i8[t], both in the
     order of the polygons. A polygon of k corners always gives k - 2 triangles, some maybe without area.
     """
+    # what is no number counts as 0: whoever draws the triangles leaves those out
+    corners = np.where(np.abs(corners) < 1e140, corners, 0.0)
     pieces: list[Ints] = []
     owners: list[Ints] = []
     for size in np.unique(count):

@@ -31,81 +31,95 @@ def make_clip(
         findings.info(
             "ogre.base-key", f"{clip.name!r} is meant to be added to {animation.base!r}; kept by itself", where
         )
-    taken: set[int] = set()
+    tracks: dict[int, BoneTrack] = {}
     lost: list[int] = []
-    doubled = 0
     for track in animation.tracks:
         row = rig.rows.get(track.bone)
         if row is None:
             lost.append(track.bone)
-            continue
-        if row in taken:
+        elif row in tracks:
             findings.warn("ogre.track", f"bone {rig.nodes[row].name!r} has two tracks; the first counts", where)
-            continue
-        taken.add(row)
-        doubled += _append(clip, track, rig, row, nodes[row], scale, animation.length, findings, where)
+        else:
+            tracks[row] = track
     if lost:
         findings.error(
             "ogre.track", f"{len(lost)} tracks move bones that the skeleton lacks (handle {lost[0]}); left out", where,
             "export skeleton and animation together",
         )  # fmt: skip
-    if doubled:
-        findings.info("ogre.key-times", f"{doubled:,} keys share the time of another: {clip.name!r} jumps there", where)
+    if tracks:
+        _append(clip, tracks, rig, nodes, scale, animation.length, findings, where)
     return clip
 
 
 def _append(
-    clip: ClipAsset, track: BoneTrack, rig: Rig, row: int, node: int, scale: float, length: float,
+    clip: ClipAsset, tracks: dict[int, BoneTrack], rig: Rig, nodes: Sequence[int], scale: float, length: float,
     findings: Findings, where: str,
-) -> int:  # fmt: skip
-    """Add the track's channels to `clip`; returns how many keys shared the time of another."""
-    name = rig.nodes[row].name
-    columns = [track.times[:, None], track.rotation, track.translation, track.scale]
-    usable = np.all([(np.abs(column) < 1e18).all(axis=1) for column in columns], axis=0)
-    usable &= (np.linalg.norm(np.where(usable[:, None], track.rotation, 1.0), axis=1) > 1e-9) & (track.times >= 0)
-    if not usable.all():
-        findings.error(
-            "ogre.not-finite", f"{int((~usable).sum()):,} keys of bone {name!r} are no usable numbers; left out", where
-        )
-    if not usable.any():
-        return 0
-    order = np.argsort(track.times[usable], kind="stable")
+) -> None:  # fmt: skip
+    """Add the channels of `tracks` (by joint) to `clip`: all keys of all joints at once."""
+    joint = np.repeat(np.array(list(tracks)), [len(track.times) for track in tracks.values()])
     times, rotation, translation, sizes = (
-        np.asarray(column[usable][order], np.float64) for column in (track.times, *columns[1:])
+        np.concatenate([getattr(track, name) for track in tracks.values()]).astype(np.float64)
+        for name in ("times", "rotation", "translation", "scale")
     )
-    doubled = int((times[1:] == times[:-1]).sum())
-    times, kept = _rising(times)
-    rotation, translation, sizes = rotation[kept], translation[kept], sizes[kept]
-    if times[-1] < length - 1e-6 and np.isfinite(length):
-        times = np.append(times, length)
-        rotation, translation, sizes = (np.concatenate([a, a[:1]]) for a in (rotation, translation, sizes))
-    rotation = rotation / np.linalg.norm(rotation, axis=1, keepdims=True)
-    seconds = times.astype("<f4")
-    turned = quat.multiply(rig.bind_rotation[row], rotation)
-    turned /= np.linalg.norm(turned, axis=1, keepdims=True)
-    values: dict[str, NDArray[np.float64]] = {
-        "translation": rig.bind_translation[row] + translation * scale,
-        "rotation": turned,
-    }
-    if np.abs(sizes - 1.0).max() > 0:
-        values["scale"] = rig.bind_scale[row] * sizes
-    for path, keys in values.items():
-        clip.channels.append(Channel(node, path, "linear", seconds, keys.astype("<f4"), name))
-    return doubled
+    usable = (np.abs(times) < 1e18) & (times >= 0)
+    for column in (rotation, translation, sizes):
+        usable &= (np.abs(column) < 1e18).all(axis=1)
+    usable &= np.abs(rotation).max(axis=1, initial=0.0) > 1e-9
+    if not usable.all():
+        bad = int((~usable).sum())
+        name = rig.nodes[int(joint[int(np.argmin(usable))])].name
+        findings.error(
+            "ogre.not-finite", f"{bad:,} keys are no usable numbers (first: of bone {name!r}); left out", where
+        )
+        joint, times = joint[usable], times[usable]
+        rotation, translation, sizes = rotation[usable], translation[usable], sizes[usable]
+    if not len(joint):
+        return
+    joint, seconds, rows, doubled = _schedule(joint, times.astype(np.float32), length)
+    if doubled:
+        findings.info("ogre.key-times", f"{doubled:,} keys share the time of another: {clip.name!r} jumps there", where)
+    rotation = rotation[rows] / np.linalg.norm(rotation[rows], axis=1, keepdims=True)
+    turned = quat.multiply(rig.bind_rotation[joint], rotation)
+    turned = (turned / np.linalg.norm(turned, axis=1, keepdims=True)).astype("<f4")
+    moved = (rig.bind_translation[joint] + translation[rows] * scale).astype("<f4")
+    grown = (rig.bind_scale[joint] * sizes[rows]).astype("<f4")
+    scaled = (sizes[rows] != 1.0).any(axis=1)
+    starts = np.flatnonzero(np.append(True, joint[1:] != joint[:-1]))
+    for first, end in zip(starts.tolist(), [*starts[1:].tolist(), len(joint)], strict=True):
+        row, run = int(joint[first]), slice(first, end)
+        channels = {"translation": moved[run], "rotation": turned[run]}
+        if scaled[run].any():
+            channels["scale"] = grown[run]
+        for path, values in channels.items():
+            clip.channels.append(Channel(nodes[row], path, "linear", seconds[run], values, rig.nodes[row].name))
 
 
-def _rising(times: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Strictly rising times for sorted ones, and which keys they are.
+def _schedule(
+    joint: NDArray[np.int64], times: NDArray[np.float32], length: float
+) -> tuple[NDArray[np.int64], NDArray[np.float32], NDArray[np.int64], int]:
+    """Strictly rising times for each joint: (joint, time, which key) sorted by joint and time, and how many keys
+    share the time of another.
 
     Of keys at one time the first ends what comes before and the last begins what follows: the first goes one step of
-    float32 earlier, where there is room."""
-    first = np.flatnonzero(np.append(True, times[1:] != times[:-1]))
-    last = np.append(first[1:] - 1, len(times) - 1)
-    seconds = times[first].astype(np.float32)
-    before = np.nextafter(seconds, np.float32(-1))
-    earlier = np.append(np.float32(-1), seconds[:-1])
-    twice = (first != last) & (before >= 0) & (before > earlier)
-    merged = np.concatenate([seconds, before[twice]]).astype(np.float64)
-    rows = np.concatenate([last, first[twice]])
-    order = np.argsort(merged, kind="stable")
-    return merged[order], rows[order]
+    float32 earlier, where there is room. A joint whose last key is before `length` gets its first key again there."""
+    order = np.lexsort((times, joint))  # stable: equal ones stay in the file's order
+    joint, times = joint[order], times[order]
+    fresh = np.append(True, joint[1:] != joint[:-1])
+    begins = np.flatnonzero(fresh | np.append(True, times[1:] != times[:-1]))
+    ends = np.append(begins[1:] - 1, len(times) - 1)
+    run_joint, run_time = joint[begins], times[begins]
+    before = np.nextafter(run_time, np.float32(-1))
+    floor = np.where(fresh[begins], np.float32(-1), np.append(np.float32(-1), run_time[:-1]))
+    twice = (begins != ends) & (before >= 0) & (before > floor)
+    final = np.append(run_joint[1:] != run_joint[:-1], True)
+    open_end = final & (run_time < np.float32(length) * (1 - 1e-6)) & (abs(length) < 1e18)
+    heads = begins[fresh[begins]]
+    first_of = dict(zip(joint[heads].tolist(), ends[fresh[begins]].tolist(), strict=True))
+    joints = np.concatenate([run_joint, run_joint[twice], run_joint[open_end]])
+    seconds = np.concatenate([run_time, before[twice], np.full(int(open_end.sum()), length, np.float32)])
+    keys = np.concatenate(
+        [ends, begins[twice], np.array([first_of[j] for j in run_joint[open_end].tolist()], np.int64)]
+    )
+    final_order = np.lexsort((seconds, joints))
+    doubled = len(times) - len(begins)
+    return joints[final_order], seconds[final_order].astype("<f4"), order[keys[final_order]], doubled

@@ -145,8 +145,10 @@ class MeshBuilder:
             part, key = part.gather(rows), (target, number)
             part.normal = normals
         elif not part.normal.any(axis=1).all():
-            part, triangles = _compact(part, triangles)
-            part.normal, key = fill_normals(part.normal, part.position, triangles), (target, number)
+            if target == 0:
+                part, triangles = _compact(part, triangles)
+                key = (target, number)
+            part.normal = fill_normals(part.normal, part.position, triangles)
         if wanted.normal_uv is not None:
             part, triangles, key = self._with_tangents(part, triangles, number, wanted.normal_uv)
         if part.color is not None and not wanted.color and any(w.color for w in self._wanted):

@@ -54,6 +54,9 @@ class Library:
             problems.append(f"the parents of {chain[0]!r} go on for more than {_MAX_CHAIN} steps")
             return result
         for base in node.bases:
+            self._left -= 1
+            if self._left < 0:
+                break
             if base in chain or base == node.name:
                 problems.append(f"{node.name!r} inherits from itself by way of {base!r}")
                 continue

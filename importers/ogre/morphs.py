@@ -106,9 +106,10 @@ class Morphs:
         position[pose.vertices[usable]] = pose.offsets[usable]
         normal = None
         if pose.normals is not None and geometry.normal is not None:
-            normal = np.zeros((geometry.count, 3), np.float32)
-            given = np.where(np.isfinite(pose.normals[usable]), pose.normals[usable], 0)
-            normal[pose.vertices[usable]] = given
+            given = np.where(np.abs(pose.normals[usable]) < 4, pose.normals[usable], np.float32(0))
+            if given.any():
+                normal = np.zeros((geometry.count, 3), np.float32)
+                normal[pose.vertices[usable]] = given
         return Offsets(pose.name or f"pose_{number}", pose.target, position, normal)
 
     def _morph(self, key: MorphKey, geometry: Geometry, target: int, name: str, where: str) -> Offsets | None:
@@ -146,13 +147,13 @@ class Morphs:
         ramps: list[_Ramp] = []
         for k, track in enumerate(animation.tracks):
             place = f"{where}.tracks[{k}]"
-            ramps += self._pose_track(track, place)
-            ramps += self._morph_track(track, name, place)
+            ramps += self._pose_track(track, animation.length, place)
+            ramps += self._morph_track(track, name, animation.length, place)
         if ramps:
             self._ramps[name] = ramps
             self._lengths[name] = max(animation.length, 0.0)
 
-    def _pose_track(self, track: VertexTrack, where: str) -> list[_Ramp]:
+    def _pose_track(self, track: VertexTrack, length: float, where: str) -> list[_Ramp]:
         keys = sorted((k for k in track.poses if k.time >= 0), key=lambda key: key.time)
         if not keys:
             return []
@@ -165,9 +166,9 @@ class Morphs:
                     self._findings.error("ogre.pose", f"pose {pose} does not exist or was left out", where)
                     continue
                 columns.setdefault(self._pose_rows[pose], np.zeros(len(keys)))[row] = influence
-        return [_Ramp(target, times, values) for target, values in sorted(columns.items())]
+        return [_Ramp(target, *_wrapped(times, values, length)) for target, values in sorted(columns.items())]
 
-    def _morph_track(self, track: VertexTrack, name: str, where: str) -> list[_Ramp]:
+    def _morph_track(self, track: VertexTrack, name: str, length: float, where: str) -> list[_Ramp]:
         geometry = self._geometry(track.target)
         keys = sorted((k for k in track.morphs if k.time >= 0), key=lambda key: key.time)
         if not keys:
@@ -185,7 +186,7 @@ class Morphs:
                 continue  # the mesh as it is: no weight on any target
             values = np.zeros(len(last))
             values[row] = 1.0
-            ramps.append(_Ramp(len(self.targets), times, values))
+            ramps.append(_Ramp(len(self.targets), *_wrapped(times, values, length)))
             self.targets.append(offsets)
         return ramps
 
@@ -194,3 +195,12 @@ def _rising(times: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np
     """Strictly rising times, and which of the keys is at each (the last of equal ones)."""
     keep = np.append(times[1:] != times[:-1], True)
     return times[keep], np.flatnonzero(keep)
+
+
+def _wrapped(
+    times: NDArray[np.float64], values: NDArray[np.float64], length: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """After its last key an animation runs on to its first, which it reaches at its length."""
+    if times[-1] >= length - 1e-6:
+        return times, values
+    return np.append(times, length), np.append(values, values[0])

@@ -2,6 +2,9 @@
 #include "lib/environment.glsl"
 #include "lib/lights.glsl"
 #include "lib/view.glsl"
+#if SUN_SHADOWS
+#include "lib/shadows.glsl"
+#endif
 
 layout(location = 0) in vec3 v_position;
 layout(location = 1) in vec3 v_normal;
@@ -25,6 +28,7 @@ struct Surface {
     vec4 base_color;
     vec3 emission;
     vec3 normal;
+    vec3 smooth_normal;  // without the normal map
     float metallic;
     float roughness;
     float occlusion;
@@ -71,6 +75,7 @@ Surface gather(MaterialParams m)
 #endif
 
     s.normal = safe_normalize(v_normal);
+    vec3 smooth_normal = s.normal;
     s.roughness = antialiased_roughness(s.roughness, s.normal);
 #if NORMAL_MAP
     // Mikkelsen 2008: interpolated, unnormalised tangent frame. The map holds x and y; z is rebuilt.
@@ -80,10 +85,25 @@ Surface gather(MaterialParams m)
     vec3 bitangent = cross(s.normal, tangent) * v_tangent.w;
     s.normal = safe_normalize(m.normal_scale * (xy.x * tangent + xy.y * bitangent) + z * s.normal);
 #endif
+    s.smooth_normal = smooth_normal;
 #if DOUBLE_SIDED
-    if (!gl_FrontFacing) s.normal = -s.normal;
+    if (!gl_FrontFacing) {
+        s.normal = -s.normal;
+        s.smooth_normal = -s.smooth_normal;
+    }
 #endif
     return s;
+}
+
+// How much of the first sun arrives.
+float first_sun(Surface s)
+{
+#if SUN_SHADOWS
+    vec3 facet = cross(dFdx(v_position), dFdy(v_position));
+    if (view.counts.y > 0u && dot(s.normal, view.suns[0].xyz) < 0.0)
+        return sun_visibility(v_position, s.smooth_normal, facet, uvec2(gl_FragCoord.xy));
+#endif
+    return 1.0;
 }
 
 vec3 shade(MaterialParams m, Surface s, vec3 v)
@@ -101,7 +121,7 @@ vec3 shade(MaterialParams m, Surface s, vec3 v)
     Reflector r = Reflector(s.normal, v, f0, f90, diffuse_albedo, s.roughness * s.roughness, max(dot(s.normal, v), 1e-4));
 #endif
 #if SUNS
-    color += sun_lighting(r);
+    color += sun_lighting(r, first_sun(s));
 #endif
 #if LOCAL_LIGHTS
     color += local_lighting(v_position, r);
@@ -134,9 +154,15 @@ void main()
     color = vec3(s.occlusion);
 #elif DEBUG_VIEW == 6
     color = s.emission;
+#elif DEBUG_VIEW == 7
+    color = vec3(0.15 + 0.75 * first_sun(s) * sat(-dot(s.normal, view.suns[0].xyz)));
+#if CASCADE_TINT
+    color *= cascade_tint(v_position);
+#endif
 #endif
 #if BLENDED
-    o_color = vec4(sanitise(color) * s.base_color.a, s.base_color.a);  // premultiplied
+    float alpha = coverage(s.base_color.a);
+    o_color = vec4(sanitise(color) * alpha, alpha);  // premultiplied
 #else
     o_color = vec4(sanitise(color), 1.0);
 #endif

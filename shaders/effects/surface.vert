@@ -2,7 +2,9 @@
 // enough however far from the world's origin the scene lies.
 
 layout(location = 0) in vec3 a_position;
+#if HAS_NORMAL
 layout(location = 1) in vec4 a_normal;
+#endif
 #if NORMAL_MAP
 layout(location = 2) in vec4 a_tangent;
 #endif
@@ -74,6 +76,7 @@ void main()
     v_position = vec3(dot(r0, p), dot(r1, p), dot(r2, p));
     gl_Position = view.clip_from_origin * vec4(v_position, 1.0);
 
+#if HAS_NORMAL || NORMAL_MAP
     // Normals go by the cofactor matrix: right for any scale, finite where the inverse transpose is not. The linear part
     // is brought to size 1 first: cofactors grow with the square of a node's scale, and the handedness with the cube.
     vec3 largest = max(max(abs(r0.xyz), abs(r1.xyz)), abs(r2.xyz));
@@ -85,8 +88,13 @@ void main()
     vec3 c1 = cross(l2, l0);
     vec3 c2 = cross(l0, l1);
     float handedness = dot(l0, c0) < 0.0 ? -1.0 : 1.0;
+#endif
+#if HAS_NORMAL
     vec3 n = a_normal.xyz * handedness;
     v_normal = vec3(dot(c0, n), dot(c1, n), dot(c2, n));
+#else
+    v_normal = vec3(0.0);  // only depth is drawn
+#endif
 #if NORMAL_MAP
     vec3 t = a_tangent.xyz;
     v_tangent = vec4(dot(l0, t), dot(l1, t), dot(l2, t), a_tangent.w * handedness);

@@ -59,12 +59,13 @@ vec3 reflected(Reflector r, vec3 l, vec3 e)
     return (specular + diffuse) * e * n_dot_l;
 }
 
-// Directional lights in the view block.
-vec3 sun_lighting(Reflector r)
+// Directional lights in the view block. `visibility`: how much of the first one arrives.
+vec3 sun_lighting(Reflector r, float visibility)
 {
     vec3 sum = vec3(0.0);
     for (uint i = 0u; i < view.counts.y; ++i) {
-        sum += reflected(r, -view.suns[2u * i].xyz, view.suns[2u * i + 1u].xyz);
+        vec3 e = view.suns[2u * i + 1u].xyz * (i == 0u ? visibility : 1.0);
+        sum += reflected(r, -view.suns[2u * i].xyz, e);
     }
     return sum;
 }

@@ -5,6 +5,10 @@ const float PI = 3.14159265358979;
 // Saturate.
 float sat(float x) { return clamp(x, 0.0, 1.0); }
 
+// Coverage of a surface or pixel in [0, 1], 0 where it is not a number: a compare, as in sanitise. One that is beyond
+// would blend what lies behind with a negative weight.
+float coverage(float a) { return a > 0.0 ? min(a, 1.0) : 0.0; }
+
 // normalize() of a zero vector is NaN at run time; this gives zero instead.
 vec3 safe_normalize(vec3 v) { return v * inversesqrt(max(dot(v, v), 1e-30)); }
 

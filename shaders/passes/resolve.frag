@@ -14,7 +14,7 @@ void main()
     vec4 sum = vec4(0.0);
     for (int s = 0; s < SAMPLES; ++s) {
         vec4 hdr = texelFetch(t_hdr, ivec2(gl_FragCoord.xy), s);
-        sum += vec4(sanitise(hdr.rgb), sat(hdr.a));
+        sum += vec4(sanitise(hdr.rgb), coverage(hdr.a));
     }
     o_color = sum * (1.0 / float(SAMPLES));
 }

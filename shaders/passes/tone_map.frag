@@ -22,7 +22,7 @@ vec4 display(vec4 hdr)
 #elif TONE_MAP == 3
     c = tone_map_neutral(c);
 #endif
-    return vec4(clamp(c, 0.0, 1.0), sat(hdr.a));
+    return vec4(clamp(c, 0.0, 1.0), coverage(hdr.a));
 }
 
 void main()

@@ -161,7 +161,7 @@ def test_frame_selection_looks_at_the_selected_subtree(session: Session) -> None
     assert session.camera.target == pytest.approx((0, 1, 0))
     document.select(-1)
     session.frame_selection()
-    assert session.camera.target == pytest.approx((0, 0, 0))
+    assert session.camera.target == pytest.approx((0, 0.5, 0))
 
 
 def test_frame_a_node_without_a_mesh(session: Session) -> None:

@@ -31,7 +31,10 @@ def take(stage: Stage, spec: SceneSpec, folder: Path, *, force_all: bool = False
 
 
 def shoot(stage: Stage, spec: SceneSpec, camera: Any, *, force_all: bool) -> Pictures:
-    settings = {"samples": spec.samples, "view": spec.view, "force_all": force_all}
+    settings = {
+        "samples": spec.samples, "view": spec.view, "shadows": spec.shadows, "shadow_filter": spec.shadow_filter,
+        "shadow_size": 64, "shadow_cascades": 2, "force_all": force_all,
+    }  # fmt: skip
     frame = stage.runtime.render(stage.view(SIZE, camera, **settings), hdr=True)
     assert frame.hdr is not None
     hdr = np.asarray(frame.hdr.read(), np.float32).copy()

@@ -1,4 +1,4 @@
-"""Random scenes over subsets of everything that the renderer may leave out, as plain values that hypothesis can shrink."""
+"""Random scenes over subsets of all that the renderer may leave out, as plain values that hypothesis can shrink."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ from engine.assets.texture import TextureAsset
 from engine.math import quat
 from engine.render.camera import Camera
 from engine.render.settings import DEBUG_VIEWS, TONE_MAPS
+from engine.render.shadows.quality import FILTERS
 from tests.support.stage import Stage, front_camera
 
 #: slot -> file and format of the texture that random materials put there
@@ -61,6 +62,8 @@ class SceneSpec:
     exposure: float = 0.0
     view: str = "lit"
     samples: int = 1
+    shadows: bool = True
+    shadow_filter: str = "pcf"
     looks_away: bool = False
     far_away: bool = False
 
@@ -86,13 +89,15 @@ specs = st.builds(
     lights=st.lists(st.sampled_from(["directional", "point", "spot", "dark"]), max_size=3).map(tuple),
     environment=st.sampled_from(["none", "uniform", "studio"]),
     environment_intensity=st.sampled_from([1.0, 1.0, 0.0]),
-    sun=st.sampled_from([0.0, 2.0]),
+    sun=st.sampled_from([2.0, 0.0, 2.0]),
     background=st.sampled_from(["color", "environment"]),
     background_blur=st.sampled_from([0.0, 0.6]),
     tone_map=st.sampled_from(TONE_MAPS),
     exposure=st.sampled_from([0.0, -1.5]),
     view=st.sampled_from(["lit"] * 6 + list(DEBUG_VIEWS)),
     samples=st.sampled_from([1, 4]),
+    shadows=st.sampled_from([True, True, True, False]),
+    shadow_filter=st.sampled_from(["pcf", "pcf", *FILTERS]),
     looks_away=st.sampled_from([False] * 7 + [True]),
     far_away=st.sampled_from([False] * 7 + [True]),
 )
@@ -144,14 +149,14 @@ def build(stage: Stage, spec: SceneSpec, folder: Path) -> Camera:
     for number, body in enumerate(spec.bodies):
         mesh = runtime.residency.add_meshes([mesh_of(body)])[0]
         material = runtime.residency.add_material(material_of(body), folder)
-        place = origin + [0.5 * (body.place % 2) - 0.25, 0.4 * (body.place // 2) - 0.2, -0.3 * number]
+        place = np.add(origin, (0.5 * (body.place % 2) - 0.25, 0.4 * (body.place // 2) - 0.2, -0.3 * number))
         turn = quat.from_axis_angle((0.2, 1.0, 0.1), 0.4 * number)
         node = runtime.scene.nodes.add("body", -1, place, turn, (-1.0 if body.mirrored else 1.0, 1.0, 1.0))
         rows.append((node, mesh, 0, material))
     runtime.add_instances(rows)
     for number, kind in enumerate(spec.lights):
         light = LightAsset("point" if kind == "dark" else kind, (1.0, 0.8, 0.6), 0.0 if kind == "dark" else 1.5, 5.0)
-        stage.lamp(light, origin + [0.6 - 0.5 * number, 0.7, 1.2], quat.from_axis_angle((1.0, 0.3, 0.0), -0.4))
+        stage.lamp(light, np.add(origin, (0.6 - 0.5 * number, 0.7, 1.2)), quat.from_axis_angle((1.0, 0.3, 0.0), -0.4))
     assert not runtime.residency.findings.items, [str(f) for f in runtime.residency.findings]
     camera = front_camera(0.8, SIZE[0] / SIZE[1])
     if spec.looks_away:

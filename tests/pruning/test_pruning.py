@@ -20,12 +20,14 @@ pytestmark = pytest.mark.gl
 
 BARE = SceneSpec(bodies=(Body(metallic=0.0),))
 LIT = replace(BARE, sun=2.0)
+#: a ball over a card, so that its shadow is seen
+SHADOWED = SceneSpec(bodies=(Body("sphere", 2), Body("card", 0, metallic=0.0)), lights=("directional",))
 
 #: fact -> two scenes that differ in that fact, and in no other but those named after it
 TOGGLES: dict[str, tuple[SceneSpec, SceneSpec, tuple[str, ...]]] = {
-    "opaque": (replace(LIT, bodies=()), LIT, ()),
+    "opaque": (replace(LIT, bodies=()), LIT, ("sun_shadows",)),
     "transparent": (LIT, replace(LIT, bodies=(*LIT.bodies, Body("card", 1, "transparent"))), ()),
-    "suns": (BARE, LIT, ()),
+    "suns": (BARE, LIT, ("sun_shadows",)),
     "local_lights": (BARE, replace(BARE, lights=("point",)), ()),
     "environment": (BARE, replace(BARE, environment="uniform"), ()),
     "background": (
@@ -34,6 +36,8 @@ TOGGLES: dict[str, tuple[SceneSpec, SceneSpec, tuple[str, ...]]] = {
     "tone_map": (LIT, replace(LIT, tone_map="agx"), ()),
     "samples": (LIT, replace(LIT, samples=4), ()),
     "debug_view": (LIT, replace(LIT, view="normal"), ()),
+    "sun_shadows": (replace(SHADOWED, shadows=False), SHADOWED, ()),
+    "shadow_quality": (SHADOWED, replace(SHADOWED, shadow_filter="none"), ()),
 }  # fmt: skip
 #: facts that are not of the scene: what they must do instead is tested below
 NOT_OF_THE_SCENE = {"hdr_output", "force_all"}
@@ -67,7 +71,8 @@ def test_switching_a_fact_on_changes_the_picture(stage: Stage, texture_folder: P
 
 @pytest.mark.parametrize("view", DEBUG_VIEWS)
 def test_every_debug_view_survives_pruning(stage: Stage, texture_folder: Path, view: str) -> None:
-    pruned_equals_forced(stage, replace(LIT, view=view, lights=("spot",)), texture_folder)
+    for spec in (BARE, LIT, replace(LIT, lights=("spot",), shadows=False)):
+        pruned_equals_forced(stage, replace(spec, view=view), texture_folder)
 
 
 def test_linear_output_is_made_only_for_who_asks(stage: Stage, texture_folder: Path) -> None:
@@ -108,5 +113,3 @@ def test_a_difference_is_noticed(stage: Stage, texture_folder: Path, monkeypatch
     spec = replace(LIT, environment="uniform", background="environment")
     with pytest.raises(AssertionError, match="sky"):
         pruned_equals_forced(stage, spec, texture_folder)
-
-

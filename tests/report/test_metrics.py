@@ -58,3 +58,26 @@ def test_blank() -> None:
     image[2, 2] = 0.01
     assert not metrics.is_blank(image)
     assert metrics.is_blank(image, tolerance=0.02)
+
+
+def test_max_angle() -> None:
+    assert metrics.max_angle([[1, 0, 0], [0, 2, 0]], [[1, 0, 0], [0, 1, 1]]) == pytest.approx(math.pi / 4)
+    assert metrics.max_angle([[math.nan, 0, 1]], [[0, 0, 1]]) == math.pi
+    tiny = metrics.max_angle([[1.0, 1e-9, 0.0]], [[1.0, 0.0, 0.0]])
+    assert tiny == pytest.approx(1e-9, rel=1e-6), "an acos would say 0"
+
+
+def test_relative_error_and_its_quantiles() -> None:
+    reference = np.array([1.0, 2.0, 4.0, 8.0])
+    image = reference * np.array([1.0, 1.1, 1.2, 0.5])
+    assert metrics.relative_error(image, reference) == pytest.approx(0.5)
+    assert metrics.relative_error(image, reference, 0.67) == pytest.approx(0.2)
+    assert metrics.relative_error([0.0, 1.0], [0.0, 1.0]) == 0.0
+    assert metrics.relative_error([1e-30], [0.0]) == math.inf
+    assert metrics.relative_error([math.nan], [1.0]) == math.inf
+
+
+def test_energy_deviation() -> None:
+    assert metrics.energy_deviation([1.0, 0.7, 1.59]) == pytest.approx(0.59)
+    assert metrics.energy_deviation([0.5], 0.25) == 0.25
+    assert metrics.energy_deviation([math.inf]) == math.inf

@@ -59,9 +59,11 @@ def markdown() -> str:
     return "\n".join(lines)
 
 
-_SHADOWS = "no shadow pass yet"
+_SHADOWS = "tests/render/"
 _AO = "no ambient occlusion pass yet"
 _TILES = "no tiled or clustered path yet"
+
+_QUAT = "tests/math/test_quat.py::test_slerp_"
 
 ROWS = (
     # --- BRDF ---
@@ -90,15 +92,28 @@ ROWS = (
         ("tests/math/test_projection_frustum_bounds.py::test_depth_tells_near_planes_apart_at_any_distance",),
     ),
     Row("depth.reversed-float", "the device really gives reversed 32-bit depth"),
-    Row("shadow.splits", "cascade splits of 1e-3 to 1e6 m", waits=_SHADOWS),
-    Row("shadow.acne", "bias from 0 to 89 degrees", waits=_SHADOWS),
-    Row("shadow.shimmer", "cascades crawl with the camera", waits=_SHADOWS),
-    Row("shadow.variance", "variance of a flat depth", waits=_SHADOWS),
-    Row("shadow.exponents", "exponents that overflow", waits=_SHADOWS),
+    Row(
+        "shadow.splits", "cascade splits of 1e-3 to 1e6 m, of nothing, of one point",
+        (_SHADOWS + "shadows/test_shadow_splits.py::test_cuts_rise_strictly_whatever_the_range",
+         _SHADOWS + "shadows/test_shadow_splits.py::test_a_range_that_no_view_should_have_and_the_same_clamped",
+         _SHADOWS + "shadows/test_shadow_fit.py::test_extreme_scenes_give_finite_cascades"),
+    ),
+    Row(
+        "shadow.acne", "planes from 0 to 89 degrees; a cube that touches its shadow",
+        (_SHADOWS + "test_shadows.py::test_a_tilted_plane_does_not_shadow_itself",
+         _SHADOWS + "test_shadows.py::test_a_cube_on_the_floor_touches_its_shadow"),
+    ),
+    Row(
+        "shadow.shimmer", "cascades crawl with the camera",
+        (_SHADOWS + "test_shadows.py::test_moving_the_camera_by_less_than_a_texel_moves_no_shadow",),
+    ),
+    Row("shadow.variance", "variance of a flat depth", waits="no variance shadow maps"),
+    Row("shadow.exponents", "exponents that overflow", waits="no exponential shadow maps"),
     # --- transforms and animation ---
-    Row("pose.slerp-small-angle", "1e-7 radians to a half turn", ("tests/math/test_quat.py::test_slerp_is_constant_speed",)),
-    Row("pose.antipodal", "q and -q; a half turn apart", ("tests/math/test_quat.py::test_slerp_half_turn_is_unit",)),
+    Row("pose.slerp-small-angle", "1e-7 radians to a half turn", (_QUAT + "is_constant_speed",)),
+    Row("pose.antipodal", "q and -q; a half turn apart", (_QUAT + "half_turn_is_unit",)),
     Row("pose.bad-quaternion", "length 1e-30 to 1e30, zero, not a number"),
+    Row("pose.bad-camera", "a pose that is not finite or flat, a lens that cannot be, a near plane of 1e-12 to 1e30 m"),
     Row("pose.blend-weights", "weights that sum to 0, negative ones", waits="clips are not blended yet"),
     Row(
         "pose.skin-weights", "sums other than 1, more than 8 influences, none",
@@ -108,8 +123,15 @@ ROWS = (
     Row("pose.singular-scale", "scales (1,1,0), (-1,1,1), 1e-9 to 1e9, 1e4 to 1"),
     Row("pose.bad-bone", "one key that is not a number: everything else is bit-equal"),
     Row("pose.odd-clips", "0 keys, 1 key, equal keys, t = -1e9, 1e12, not a number"),
-    Row("pose.cubic-spline", "against a float64 Hermite spline", ("tests/animation/test_sample.py::test_every_channel_against_float64",)),
-    Row("pose.far-from-the-origin", "scene and camera moved by 1e6 m"),
+    Row(
+        "pose.cubic-spline", "against a float64 Hermite spline",
+        ("tests/animation/test_sample.py::test_every_channel_against_float64",),
+    ),
+    Row(
+        "pose.far-from-the-origin", "scene and camera moved by 1e6 m; skins and shadows with them",
+        ("tests/render/test_skinning.py::test_a_skinned_mesh_far_from_the_origin_looks_the_same",
+         "tests/render/test_shadows.py::test_shadows_far_from_the_origin"),
+    ),
     Row("pose.tiny-and-huge", "scene, camera and lights scaled by 1e-4 and 1e4"),
     Row(
         "pose.no-tangents", "triangles without area, no uv, tangents of length 0",
@@ -131,7 +153,7 @@ ROWS = (
     Row("size.odd", "1x1, 17x31, one pixel wide"),
     Row("size.resize", "sizes of 1 to 40 pixels in any order"),
     Row("size.many-vertices", "more than 65535 vertices in a mesh"),
-    Row("size.many-bones", "8192 bones", waits="no skinning on the GPU yet"),
+    Row("size.many-bones", "8192 bones"),
     Row("size.double-resolution", "twice the resolution, averaged, is the same picture"),
 )  # fmt: skip
 

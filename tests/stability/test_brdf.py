@@ -78,7 +78,13 @@ def test_brdf_is_reciprocal(probe: ShaderProbe) -> None:
     l = rng.normal(size=(4000, 3))
     v[:, 2], l[:, 2] = np.abs(v[:, 2]) + 1e-3, np.abs(l[:, 2]) + 1e-3
     v32, l32 = checks.unit(v), checks.unit(l)
-    common = {"n": [[0.0, 0.0, 1.0]], "f0": [[0.04, 0.5, 0.9]], "albedo": [[0.5, 0.5, 0.0]], "alpha": [0.09]}
+    common = {
+        "n": [[0.0, 0.0, 1.0]],
+        "f0": [[0.04, 0.5, 0.9]],
+        "f90": [1.0],
+        "albedo": [[0.5, 0.5, 0.0]],
+        "alpha": [0.09],
+    }
     there = probe(checks.REFLECTED, "lib/lights.glsl", v=v32, l=l32, **common)[:, :3] / l32[:, 2:]
     back = probe(checks.REFLECTED, "lib/lights.glsl", v=l32, l=v32, **common)[:, :3] / v32[:, 2:]
     np.testing.assert_allclose(there, back, rtol=5e-6)
@@ -99,7 +105,7 @@ def test_light_straight_against_the_view(probe: ShaderProbe) -> None:
     flipped = np.concatenate([-v, v * np.array([-1.0, 1.0, 1.0], np.float32)])
     got = probe(
         checks.REFLECTED, "lib/lights.glsl", n=[[0.0, 0.0, 1.0]], v=np.concatenate([v, v]), l=flipped,
-        f0=[[1.0] * 3], albedo=[[1.0] * 3], alpha=[0.002025],
+        f0=[[1.0] * 3], f90=[1.0], albedo=[[1.0] * 3], alpha=[0.002025],
     )  # fmt: skip
     assert np.isfinite(got).all()
     assert (got[: len(v)] == 0.0).all()  # from below, or along the horizon

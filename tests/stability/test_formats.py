@@ -10,7 +10,15 @@ import pytest
 from engine.assets.primitives import card, uv_sphere
 from engine.assets.scene import LightAsset
 from engine.core.paths import shaders_dir
-from engine.gpu.types import ColorAttachment, Device, RasterState, RenderPipelineDesc, SamplerDesc, ShaderSource, TextureDesc
+from engine.gpu.types import (
+    ColorAttachment,
+    Device,
+    RasterState,
+    RenderPipelineDesc,
+    SamplerDesc,
+    ShaderSource,
+    TextureDesc,
+)
 from engine.math import ggx
 from engine.resources.environment import DfgTable
 from tests.stability.rows import covers
@@ -39,7 +47,10 @@ def test_half_float_store_is_within_one_ulp(gl_device: Device) -> None:
     count = 256
     text = f"""
         layout(location = 0) out vec4 o_color;
-        void main() {{ float i = floor(gl_FragCoord.x); o_color = vec4(exp2(i / {count}.0 * 30.0 - 14.0), 7e4, 1.0, 1.0); }}"""
+        void main() {{
+            float x = floor(gl_FragCoord.x) / {count}.0;
+            o_color = vec4(exp2(x * 30.0 - 14.0), 7e4, 1.0, 1.0);
+        }}"""
     vertex = "void main() { gl_Position = vec4(vec2((gl_VertexID << 1) & 2, gl_VertexID & 2) * 2.0 - 1.0, 0.0, 1.0); }"
     target = gl_device.texture(TextureDesc("rgba16f", count, 1))
     full = gl_device.texture(TextureDesc("rgba32f", count, 1))
@@ -71,7 +82,9 @@ def test_shaders_hold_no_infinities_and_no_sine_noise() -> None:
             continue
         code = re.sub(r"//.*|/\*.*?\*/", "", file.read_text(encoding="utf-8"), flags=re.S if "/*" in file.name else 0)
         assert not re.search(r"/\s*0(\.0*)?f?\s*[;),]", code), f"{file.name}: division by a literal zero"
-        assert not re.search(r"fract\s*\(\s*sin\s*\(", code), f"{file.name}: noise from fract(sin()): use an integer hash"
+        assert not re.search(r"fract\s*\(\s*sin\s*\(", code), (
+            f"{file.name}: noise from fract(sin()): use an integer hash"
+        )
         assert not re.search(r"\b(1e39|1e40|0x7f800000)\b", code), f"{file.name}: an infinity as a sentinel"
 
 
@@ -114,7 +127,7 @@ def test_filter_steps_of_this_device(gl_device: Device, probe: ShaderProbe, reco
 def test_lights_in_any_order(stage: Stage) -> None:
     """32 lights shuffled: the sum moves by one half-float ulp at most."""
     rng = np.random.default_rng(3)
-    places = rng.uniform(-1.0, 1.0, (32, 3)) + [0.0, 0.0, 1.5]
+    places = np.add(rng.uniform(-1.0, 1.0, (32, 3)), (0.0, 0.0, 1.5))
     colors = rng.uniform(0.0, 1.0, (32, 3))
     pictures = []
     for seed in (None, 1, 2):

@@ -19,12 +19,16 @@ from engine.assets.environment_dds import write_environment
 from engine.assets.material import MaterialAsset, TextureRef
 from engine.assets.mesh import MeshAsset
 from engine.assets.primitives import card, cube, mesh_from_arrays, uv_sphere
-from engine.assets.scene import LightAsset, NodeAsset, SceneAsset
+from engine.assets.scene import CameraAsset, LightAsset, NodeAsset, SceneAsset
 from engine.assets.texture import TextureAsset
 from engine.core.errors import InputError
+from engine.math import quat
+from engine.math.transform import compose
+from engine.render.camera import Camera
 from engine.render.environments import MAX_BRIGHTNESS, usable
 from engine.scene.scene import Scene
 from tests.stability.rows import covers
+from tests.support.poison import shoot
 from tests.support.stage import Stage, front_camera, surface
 
 BAD = {"nan": math.nan, "inf": math.inf, "minus_inf": -math.inf, "huge": 3e38, "minus_huge": -3e38, "denormal": 1e-40}
@@ -121,6 +125,8 @@ def test_bad_texels_of_a_float_texture(stage: Stage, tmp_path: Path, slot: str, 
     runtime.add_instances([(runtime.scene.nodes.add("bad", -1, LEFT), mesh, 0, added)])
     assert not runtime.residency.findings.items
     assert (right_half(stage) == expected).all()
+    drawn_by = "transparent" if queue == "transparent" else "opaque"
+    sound(shoot(runtime, stage.view(SIZE, CAMERA), drawn_by).outputs["hdr"])  # at once, not only at the end
     if queue == "opaque":
         sound(stage.hdr(SIZE, CAMERA, view=VIEW_OF[slot]))
 
@@ -210,6 +216,51 @@ def test_spots_of_any_opening(stage: Stage) -> None:
             assert (picture[..., :3] == 0.0).all()
         elif outer > 0.1:
             assert picture[8, 8, 0] > 0.0
+
+
+def _moved(**values: Any) -> Camera:
+    """The camera with its position, its axes or a value of its lens changed."""
+    camera = front_camera()
+    if "position" in values:
+        camera.world_from_camera[:3, 3] = values.pop("position")
+    if "axes" in values:
+        camera.world_from_camera[:3, :3] *= values.pop("axes")
+    return replace(camera, **values)
+
+
+@pytest.mark.gl
+@covers("pose.bad-camera")
+def test_cameras_of_any_kind(stage: Stage) -> None:
+    """A picture, or an error that names the camera; never anything else."""
+    stage.look(kind="uniform", sun_illuminance=2.0)
+    stage.add(uv_sphere(), grey())
+    for change in (
+        {"position": (math.nan, 0, 0)}, {"position": (math.inf, 0, 0)}, {"axes": 0.0}, {"axes": math.nan},
+        {"axes": np.array([1.0, 0.0, 1.0])}, {"znear": 0.0}, {"znear": math.nan}, {"znear": -1.0}, {"yfov": 0.0},
+        {"yfov": math.pi}, {"yfov": math.nan}, {"ymag": 1.0, "zfar": math.nan}, {"ymag": 1.0, "znear": math.inf},
+    ):  # fmt: skip
+        with pytest.raises(InputError, match="impossible camera"):
+            stage.hdr((9, 9), _moved(**change))
+    for change in (
+        {"position": (1e300, 0, 0)}, {"position": (3e38, 1e30, -1e15)}, {"znear": 1e-300}, {"znear": 1e-12},
+        {"znear": 1e30}, {"yfov": 1e-9}, {"yfov": 3.14159}, {"ymag": 1e-30}, {"ymag": 1e30}, {"axes": 1e-20},
+        {"axes": -1.0}, {"ymag": 1.0, "znear": -1e6},
+    ):  # fmt: skip
+        sound(stage.hdr((9, 9), _moved(**change)))
+
+
+@covers("pose.bad-camera", "pose.singular-scale")
+@pytest.mark.parametrize(
+    "scale", [(0, 0, 0), (0, 1, 1), (1, 0, 1), (1, 1, 0), (-1, 1, 1), (1e-100, 1, 1e100), (1e-4,) * 3], ids=str
+)
+def test_camera_on_a_node_of_any_scale_is_rigid(scale: tuple[float, float, float]) -> None:
+    world = compose((1.0, 2.0, 3.0), quat.from_axis_angle((1, 2, 3), 0.7), scale)
+    camera = Camera.from_asset(CameraAsset(znear=0.0, yfov=math.pi), world)
+    camera.check(1.5)
+    pose = camera.world_from_camera
+    np.testing.assert_allclose(pose[:3, :3] @ pose[:3, :3].T, np.eye(3), atol=1e-9)
+    assert np.linalg.det(pose[:3, :3]) > 0.0
+    np.testing.assert_array_equal(pose[:3, 3], (1.0, 2.0, 3.0))
 
 
 @pytest.mark.gl

@@ -56,20 +56,21 @@ def inputs_of(graph: CompiledGraph, name: str) -> tuple[tuple[str, ...], tuple[s
     return tuple(read), tuple(over)
 
 
-def shoot(
-    runtime: Runtime, view: View, name: str, plant: tuple[str, int, int, float] | None = None
-) -> Shot:
+def shoot(runtime: Runtime, view: View, name: str, plant: tuple[str, int, int, float] | None = None) -> Shot:
     """Render a frame; `plant` = (input, x, y, value) goes in before pass `name`."""
     renderer = runtime.renderer
     timed = renderer._on_pass
-    shot: list[Shot] = []
+    undo: list[tuple[Texture, NDArray[Any]]] = []
     taken: dict[str, NDArray[Any]] = {}
 
     @contextlib.contextmanager
     def on_pass(running: str) -> Iterator[None]:
         graph = _running_graph(runtime)
         if running == name and plant is not None:
-            put(runtime.device, graph.texture(plant[0]), *plant[1:])
+            texture = graph.texture(plant[0])
+            if texture.desc.samples == 1:
+                undo.append((texture, texture.read().copy()))
+            put(runtime.device, texture, *plant[1:])
         with timed(running):
             yield
         if running == name:
@@ -84,8 +85,10 @@ def shoot(
     finally:
         del renderer._on_pass
     assert frame.hdr is not None
-    shot.append(Shot(frame.graph, taken, frame.color.read(), frame.hdr.read()))
-    return shot[0]
+    shot = Shot(frame.graph, taken, frame.color.read(), frame.hdr.read())
+    for texture, texels in undo:  # some maps are kept from frame to frame
+        texture.write(np.ascontiguousarray(texels))
+    return shot
 
 
 def _running_graph(runtime: Runtime) -> CompiledGraph:

@@ -25,8 +25,8 @@ class ShaderProbe:
     `result` (a vec4): f4[n,4].
 
     Inputs are f4[n] or f4[n,2..4], or one value (one row) for all; in the code each is a variable of its own name.
-    `shaders`: the folder whose files are included. `storage`, `textures`: further bindings that these want; `declare`: further
-    declarations.
+    `shaders`: the folder whose files are included. `storage`, `textures`: further bindings that these want, and
+    `declare`: declarations.
     """
 
     def __init__(self, device: Device, folder: Path, shaders: Path | None = None) -> None:

@@ -79,9 +79,7 @@ class Stage:
         self.runtime.close()
 
 
-def surface(
-    queue: str = "opaque", features: tuple[str, ...] = (), name: str = "test", **params: Any
-) -> MaterialAsset:
+def surface(queue: str = "opaque", features: tuple[str, ...] = (), name: str = "test", **params: Any) -> MaterialAsset:
     """A surface material by its parameters."""
     return MaterialAsset(name, queue=queue, features=list(features), params=params)
 

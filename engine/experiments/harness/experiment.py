@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from engine.report.records import Extreme, Floor, Picture, Table
+from engine.report.records import Extreme, Floor, Picture, Point, Table
 
 if TYPE_CHECKING:
     from engine.experiments.harness.context import Context
@@ -64,8 +64,10 @@ class Order:
 class Experiment:
     """One file's declaration; its name is the file's.
 
-    `metric`: the error on the vertical axis, a key of Outcome.error. `curve`: the knob that names the lines. `quick`
-    says which knobs remain in quick mode. `needs`: of "gpu", "tools", "scene", what it cannot do without.
+    `metric`: the error on the vertical axis, a key of Outcome.error. `curve`: the knob that names the lines.
+    `problem`: the knob that says what is solved; only points of one problem compete. `also`: further costs, names of
+    Outcome.extra, in which a point must be no worse to beat the default. `quick` says which knobs remain in quick mode.
+    `needs`: of "gpu", "tools", "scene", what it cannot do without.
     """
 
     title: str
@@ -77,6 +79,8 @@ class Experiment:
     default: Knobs
     run: Callable[[Context, Knobs], Trial]
     curve: str = ""
+    problem: str = ""
+    also: tuple[str, ...] = ()
     orders: Sequence[Order] = ()
     quick: Callable[[Knobs], bool] | None = None
     needs: frozenset[str] = frozenset()
@@ -84,7 +88,7 @@ class Experiment:
     noise_floor: Callable[[Context], Floor] | Floor | None = None
     format_floor: Floor | None = None
     extremes: Callable[[Context], Iterable[Extreme]] | None = None
-    tables: Callable[[Context], Iterable[Table]] | None = None
+    tables: Callable[[Context, Sequence[Point]], Iterable[Table]] | None = None
     step_label: str = ""
     profile_label: str = ""
     time_label: str = "median time"

@@ -57,8 +57,9 @@ class Dispatch:
         return values[:, 0] if parts == 1 else values
 
     def release(self) -> None:
-        for resource in (*self._inputs, self._output, self._pipeline):
-            resource.release()
+        for buffer in (*self._inputs, self._output):
+            buffer.release()
+        self._pipeline.release()
 
 
 class Kernel:
@@ -132,7 +133,7 @@ def _source(expression: str, inputs: Mapping[str, str], output: str, include: Se
 def _pack(values: ArrayLike, kind: str, name: str) -> NDArray[Any]:
     dtype, parts, stride = TYPES[kind]
     array = np.asarray(values)
-    array = array.reshape(len(array), -1)
+    array = array.reshape(len(array), -1) if array.size else np.zeros((0, parts))
     if array.shape[1] != parts:
         raise InputError(f"input {name} has {array.shape[1]} components, {kind} has {parts}")
     out = np.zeros((len(array), stride), dtype)

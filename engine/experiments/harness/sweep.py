@@ -47,14 +47,14 @@ def run_experiment(name: str, experiment: Experiment, ctx: Context, progress: Pr
             if trial.close is not None:
                 trial.close()
     result.points = points
-    _mark_front(result)
+    _mark_front(result, experiment.problem, experiment.also)
     result.noise_floor = _floor(experiment.noise_floor, ctx)
-    floor = max(f.value if f else 0.0 for f in (result.noise_floor, result.format_floor))
+    floor = result.noise_floor.value if result.noise_floor else 0.0
     result.orders = [_order(experiment, order, points, floor) for order in experiment.orders]
     say("extreme cases")
     result.extremes = _extremes(experiment, ctx)
     try:
-        result.tables = list(experiment.tables(ctx)) if experiment.tables else []
+        result.tables = list(experiment.tables(ctx, points)) if experiment.tables else []
     except LucarnaError as error:
         ctx.omit("tables", str(error))
     result.omitted += ctx.omitted
@@ -132,25 +132,33 @@ def _time_all(points: list[Point], trials: list[Trial], experiment: Experiment, 
         summary = summarise(times)
         kind = gpu.kind if trials[i].gpu and gpu is not None else "cpu"
         points[i].samples = times
-        points[i].ms = Timing(summary.median, summary.iqr, summary.n, kind)
+        low, high = (float(v) for v in np.percentile(times, (25.0, 75.0)))
+        points[i].ms = Timing(summary.median, summary.iqr, summary.n, kind, low, high)
 
 
-def _mark_front(result: Result) -> None:
-    timed = [p for p in result.points if p.ms is not None]
-    error = [p.error[result.metric] for p in timed]
-    for point, on in zip(timed, pareto_front([p.ms.median for p in timed if p.ms], error), strict=True):
-        point.front = bool(on)
+def _mark_front(result: Result, problem: str, also: Sequence[str]) -> None:
+    """Fronts are among points that solve the same problem."""
+    by_problem: dict[str, list[Point]] = {}
+    for point in result.points:
+        if point.ms is not None:
+            by_problem.setdefault(str(point.knobs.get(problem, "")), []).append(point)
+    for same in by_problem.values():
+        error = [p.error[result.metric] for p in same]
+        for point, on in zip(same, pareto_front([p.ms.median for p in same if p.ms], error), strict=True):
+            point.front = bool(on)
     default = find(result.points, result.default)
     if default is None or default.ms is None or default.status != "ok":
         return
-    beaten = next((p for p in timed if p is not default and _beats(p, default, result.metric)), None)
+    timed = by_problem[str(default.knobs.get(problem, ""))]
+    beaten = next((p for p in timed if p is not default and _beats(p, default, result.metric, also)), None)
     result.default_on_front = beaten is None
     result.beaten_by = dict(beaten.knobs) if beaten is not None else None
 
 
-def _beats(point: Point, default: Point, metric: str) -> bool:
-    """Whether with 95 % confidence `point` is faster with no more error, or less wrong and no slower."""
-    if point.status != "ok":
+def _beats(point: Point, default: Point, metric: str, also: Sequence[str]) -> bool:
+    """Whether with 95 % confidence `point` is faster with no more error, or less wrong and no slower; in either case
+    at no more of the other costs."""
+    if point.status != "ok" or any(point.extra[name] > default.extra[name] for name in also):
         return False
     mine, theirs = default.error[metric], point.error[metric]
     if theirs > mine:
@@ -173,6 +181,7 @@ def _of(order: Order, experiment: Experiment, knobs: Knobs) -> bool:
 
 def _order(experiment: Experiment, order: Order, points: Sequence[Point], floor: float) -> OrderResult:
     curve = order.curve or str(experiment.default.get(experiment.curve, ""))
+    source = None
     if order.step is not None:
         mine = [p for p in points if p.curve == curve and p.status == "ok"]
         x = [order.step(p.knobs) for p in mine]
@@ -195,6 +204,7 @@ def _order(experiment: Experiment, order: Order, points: Sequence[Point], floor:
     return OrderResult(
         curve=curve, expected=order.expected, observed=observed, tolerance=order.tolerance, label=order.label,
         over=order.over, constant=constant, from_profile=order.step is None, cost=order.cost, span=span,
+        knobs=dict(source.knobs) if source is not None else {},
     )  # fmt: skip
 
 

@@ -8,6 +8,7 @@ from engine.framegraph.builder import Builder
 from engine.framegraph.passes import Pass, PassContext
 from engine.gpu.types import ColorAttachment, DepthAttachment
 from engine.render.frame import RenderFrame
+from engine.render.passes.shadow_cascades import SUN_SHADOW, shadow_inputs
 
 HDR_FORMAT = "rgba16f"
 
@@ -19,6 +20,7 @@ class OpaquePass(Pass):
     reach: ClassVar[int | None] = 0
 
     def declare(self, b: Builder) -> None:
+        b.read(SUN_SHADOW, optional=True)
         samples = b.facts.samples
         b.create("hdr", HDR_FORMAT, samples=samples)
         b.create("depth", "d32f", samples=samples)
@@ -30,4 +32,4 @@ class OpaquePass(Pass):
         with ctx.device.render_pass(
             self.name, [color], DepthAttachment(ctx.texture("depth"), clear=0.0)
         ) as render_pass:
-            frame.draw_batches(render_pass, frame.draws.opaque, frame.facts.samples)
+            frame.draw_batches(render_pass, frame.draws.opaque, frame.facts.samples, shadow_inputs(ctx))

@@ -5,10 +5,11 @@ from __future__ import annotations
 from engine.framegraph.passes import Pass
 from engine.render.passes.opaque import OpaquePass
 from engine.render.passes.resolve import ResolvePass
+from engine.render.passes.shadow_cascades import ShadowCascadesPass
 from engine.render.passes.sky import SkyPass
 from engine.render.passes.tone_map import ToneMapPass
 from engine.render.passes.transparent import TransparentPass
 
 
 def forward_passes() -> list[Pass]:
-    return [OpaquePass(), SkyPass(), TransparentPass(), ResolvePass(), ToneMapPass()]
+    return [ShadowCascadesPass(), OpaquePass(), SkyPass(), TransparentPass(), ResolvePass(), ToneMapPass()]

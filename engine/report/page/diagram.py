@@ -7,7 +7,7 @@ import math
 from collections.abc import Sequence
 
 from engine.report.page.svg import COLORS, Figure, figure, marker
-from engine.report.page.text import knobs, milliseconds, scientific
+from engine.report.page.text import escape, knobs, milliseconds, scientific
 from engine.report.records import Floor, OrderResult, Point, Result
 
 _DASHES = ("", "6 3", "2 3", "9 3 2 3")
@@ -120,7 +120,7 @@ def profile(result: Result) -> str:
             if rest and end and sum(p.curve == name for p in shown) > 1:
                 fig.note(fig.x(end[0]), fig.y(end[1]), rest)
     for order in orders:
-        found = next((p for p in shown if p.curve == order.curve and p.profile), None)
+        found = next((p for p in shown if p.knobs == order.knobs), None)
         if found is not None and found.profile is not None:
             line = [
                 (x, y) for x, y in zip(found.profile.x, found.profile.y, strict=True)
@@ -166,7 +166,7 @@ def _point(fig: Figure, result: Result, point: Point, curve: int) -> None:
         tip += ", exact"
     else:
         y = fig.y(error)
-    low, high = max(ms.median - ms.iqr / 2, fig.x.low), min(ms.median + ms.iqr / 2, fig.x.high)
+    low, high = max(ms.low, fig.x.low), min(ms.high, fig.x.high)
     fig.add(f'<path class="bar {css}" d="M{fig.x(low):.1f} {y:.1f}H{fig.x(high):.1f}"/>')
     if all(point.knobs.get(k) == v for k, v in result.default.items()):
         fig.add(f'<circle class="default" cx="{x:.1f}" cy="{y:.1f}" r="10"/>')
@@ -175,7 +175,7 @@ def _point(fig: Figure, result: Result, point: Point, curve: int) -> None:
 
 def _cross(fig: Figure, x: float, css: str, tip: str) -> None:
     y = fig.y.stop - 7
-    fig.add(f'<path class="nan {css}" d="M{x - 4:.1f} {y - 4:.1f}l8 8m0 -8l-8 8"><title>{tip}</title></path>')
+    fig.add(f'<path class="nan {css}" d="M{x - 4:.1f} {y - 4:.1f}l8 8m0 -8l-8 8"><title>{escape(tip)}</title></path>')
 
 
 def _front(fig: Figure, points: Sequence[Point], metric: str) -> None:
@@ -201,9 +201,8 @@ def _floors(fig: Figure, floors: Sequence[Floor]) -> None:
         width = 5.4 * len(text)
         below = y + 12 < fig.y.start
         fig.boxes.append((fig.x.stop - width - 4, y + 1 if below else y - 12, width + 4, 11))
-        fig.add(
-            f'<text class="note" x="{fig.x.stop - 4}" y="{y + (11 if below else -4):.1f}" text-anchor="end">{text}</text>'
-        )
+        at = f'x="{fig.x.stop - 4}" y="{y + (11 if below else -4):.1f}"'
+        fig.add(f'<text class="note" {at} text-anchor="end">{escape(text)}</text>')
 
 
 def _near(floors: Sequence[Floor], points: Sequence[Point], metric: str) -> list[float]:

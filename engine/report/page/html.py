@@ -18,9 +18,9 @@ def page(report: Report) -> str:
         "<!DOCTYPE html>", '<html lang="en">', "<head>", '<meta charset="utf-8">',
         '<meta name="viewport" content="width=device-width, initial-scale=1">', f"<title>{title}</title>",
         f"<style>{STYLE}</style>", "</head>", "<body>", "<header>", f"<h1>{title}</h1>",
-        '<p class="lead">Each experiment compares ways to compute one thing with a ground truth, and times them in turns'
-        " on one device. A method is worth choosing if no other is both faster and less wrong: if it lies on the front."
-        f"{' Measured in quick mode: fewer settings and runs.' if report.quick else ''}</p>",
+        '<p class="lead">Each experiment compares ways to compute one thing with a ground truth, and times them in'
+        " turns on one device. A method is worth choosing if no other is both faster and less wrong: if it lies on"
+        f" the front.{' Measured in quick mode: fewer settings and runs.' if report.quick else ''}</p>",
         _meta(report), "</header>",
         "<nav>", tables.overview(report), "</nav>",
     ]  # fmt: skip
@@ -70,7 +70,7 @@ def _section(index: int, result: Result) -> str:
 
 
 def _figures(index: int, result: Result) -> str:
-    found = []
+    found: list[str] = []
     for draw, words in (
         (diagram.work_precision, _work_words(result)),
         (diagram.convergence, _order_words(result, from_profile=False)),

@@ -43,7 +43,8 @@ table{border-collapse:collapse;font-size:12.5px;font-variant-numeric:tabular-num
 th{font-weight:600;text-align:left;color:var(--soft);border-bottom:1px solid var(--ink);padding:4px 12px 4px 0;
  vertical-align:bottom}
 td{padding:3.5px 12px 3.5px 0;border-bottom:1px solid var(--rule);vertical-align:top}
-td.r,th.r{text-align:right} tr.default td{font-weight:600} tr:last-child td{border-bottom-color:var(--ink)}
+td.r,th.r{text-align:right} td.o{white-space:nowrap} tr.default td{font-weight:600}
+tr:last-child td{border-bottom-color:var(--ink)}
 .scroll{overflow-x:auto}
 code{font:12.5px/1.4 "JetBrains Mono","SF Mono",Consolas,"DejaVu Sans Mono",monospace;background:var(--code);
  padding:1px 4px;border-radius:3px}
@@ -57,6 +58,8 @@ a{color:inherit;text-decoration-color:var(--faint);text-underline-offset:2px}
 .plot{fill:var(--plot)} .grid{stroke:var(--grid);fill:none} .axis{stroke:var(--soft);fill:none;stroke-width:1}
 svg text{fill:var(--soft);font-size:11.5px} svg .label{fill:var(--ink);font-size:12.5px}
 svg .legend{fill:var(--ink);font-size:12px} svg .note{font-size:10px;fill:var(--soft)}
+svg .note{paint-order:stroke;stroke:var(--plot);stroke-width:3px;
+ stroke-linejoin:round}
 .front{fill:none;stroke:var(--ink);stroke-width:1.1} .reach{fill:var(--reach);stroke:none}
 .floor{fill:none;stroke:var(--faint);stroke-dasharray:1.5 3.5;stroke-linecap:round}
 .slope{fill:none;stroke:var(--soft);stroke-width:1;stroke-dasharray:5 4}

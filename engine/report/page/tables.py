@@ -16,7 +16,7 @@ def overview(report: Report) -> str:
         rows.append(
             f'<tr><td class="r">{i}</td><td><a href="#{escape(r.name)}">{escape(r.title)}</a></td>'
             f"<td>{escape(knobs(r.default))}</td><td>{error}</td>"
-            f'<td class="r">{ms}</td><td>{front_text(r)}</td><td>{_orders_text(r.orders)}</td></tr>'
+            f'<td class="r">{ms}</td><td>{front_text(r)}</td><td class="o">{_orders_text(r.orders)}</td></tr>'
         )
     head = '<tr><th class="r">#</th><th>Experiment</th><th>Default</th><th>Its error</th><th class="r">ms</th>'
     head += "<th>On its front</th><th>Order: observed (expected)</th></tr>"
@@ -74,7 +74,8 @@ def order_text(order: OrderResult) -> str:
     if order.observed is None:
         return f'<span class="soft">too few points ({order.expected:g})</span>'
     mark = '<span class="good">✓</span>' if order.met else '<span class="bad">✗</span>'
-    return f"{mark} {order.observed:.2f} ({order.expected:g})"
+    text = f"{order.observed:.2f} ({order.expected:g})".replace("-", "−")
+    return f"{mark} {text}"
 
 
 def _orders_text(orders: list[OrderResult]) -> str:
@@ -85,7 +86,7 @@ def _time_cells(point: Point) -> str:
     if point.ms is None:
         return '<td class="r">–</td><td class="r">–</td><td class="r">–</td>'
     ms = point.ms
-    return f'<td class="r">{milliseconds(ms.median)}</td><td class="r">{milliseconds(ms.iqr)}</td><td class="r">{ms.n}</td>'
+    return "".join(f'<td class="r">{v}</td>' for v in (milliseconds(ms.median), milliseconds(ms.iqr), ms.n))
 
 
 def _value(value: object) -> str:

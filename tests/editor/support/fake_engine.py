@@ -4,7 +4,6 @@ It has the surface the editor uses and nothing more, so UI tests need no GPU, no
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -13,12 +12,13 @@ import numpy as np
 
 from editor.host import Cancelled, Resolved
 from engine.assets.material import MaterialAsset, TextureRef
-from engine.assets.scene import CameraAsset, EnvironmentAsset, LightAsset, LookAsset, NodeAsset, SceneAsset
+from engine.assets.scene import CameraAsset, LightAsset, NodeAsset, SceneAsset
 from engine.core.errors import FormatError
 from engine.core.findings import Findings
 from engine.core.param import Param, ParamBlock, param
 from engine.gpu.types import Caps
 from engine.report.stats import FrameStats, PassStat
+from engine.scene.scene import Scene
 
 
 class Settings(ParamBlock):
@@ -27,88 +27,6 @@ class Settings(ParamBlock):
     environment_rotation: float = param(0.0, min=-360.0, max=360.0, unit="deg", doc="turns the environment")
     view: str = param("lit", choices=("lit", "normal"), doc="debug view")
     force_all: bool = param(False, doc="leave nothing out")
-
-
-class Nodes:
-    """A node table: name, parent, translation, rotation, scale, visible, alive."""
-
-    def __init__(self, rows: list[tuple[str, int]]) -> None:
-        n = len(rows)
-        self.name = [name for name, _ in rows]
-        self.parent = np.array([parent for _, parent in rows], np.int32)
-        self.translation = np.zeros((n, 3))
-        self.rotation = np.tile([0.0, 0.0, 0.0, 1.0], (n, 1))
-        self.scale = np.ones((n, 3))
-        self.visible = np.ones(n, bool)
-        self.alive = np.ones(n, bool)
-        self.has_matrix = np.zeros(n, bool)
-        self.rev = 0
-
-    def set_translation(self, rows: Any, values: Any) -> None:
-        self.translation[rows] = values
-        self.rev += 1
-
-    def set_rotation(self, rows: Any, values: Any) -> None:
-        self.rotation[rows] = values
-        self.rev += 1
-
-    def set_scale(self, rows: Any, values: Any) -> None:
-        self.scale[rows] = values
-        self.rev += 1
-
-    def set_visible(self, rows: Any, values: Any) -> None:
-        self.visible[rows] = values
-        self.rev += 1
-
-    @property
-    def visible_world(self) -> Any:
-        shown = self.visible.copy()
-        for row, parent in enumerate(self.parent):
-            if parent >= 0:
-                shown[row] &= shown[parent]
-        return shown
-
-    def world_matrix(self, row: int) -> Any:
-        matrix = np.eye(4)
-        matrix[:3, :3] = np.diag(self.scale[row])
-        matrix[:3, 3] = self.translation[row]
-        parent = int(self.parent[row])
-        return self.world_matrix(parent) @ matrix if parent >= 0 else matrix
-
-
-class Records:
-    """Lights or cameras: a record a row."""
-
-    def __init__(self, node: list[int], records: list[Any]) -> None:
-        self.node = np.array(node)
-        self.records = records
-
-    def asset(self, row: int) -> Any:
-        return self.records[row]
-
-    def set(self, row: int, **values: Any) -> None:
-        self.records[row] = replace(self.records[row], **values)
-
-
-@dataclass
-class Scene:
-    nodes: Nodes
-    instances: Any
-    lights: Any
-    cameras: Any
-    environment: EnvironmentAsset = field(default_factory=EnvironmentAsset)
-    look: LookAsset = field(default_factory=LookAsset)
-    structure_rev: int = 1
-
-    @property
-    def transform_rev(self) -> int:
-        return self.nodes.rev
-
-    def update(self) -> None:
-        pass
-
-    def bounds(self) -> tuple[Any, Any]:
-        return np.full(3, -1.0), np.full(3, 1.0)
 
 
 EFFECT = SimpleNamespace(
@@ -165,19 +83,13 @@ class FakeRuntime:
     def __init__(self, extra_nodes: int = 0) -> None:
         rows = [("root", -1), ("body", 0), ("lid", 1), ("lamp", 0), ("eye", -1)]
         rows += [(f"part {i}", 0) for i in range(extra_nodes)]
-        nodes = Nodes(rows)
-        nodes.translation[2] = (0.0, 1.0, 0.0)
-        n = 2
-        instances = SimpleNamespace(
-            node=np.array([1, 2], np.int32), mesh=np.zeros(n, np.int32), submesh=np.zeros(n, np.int32),
-            material=np.array([0, 1], np.int32), visible=np.ones(n, bool),
-        )  # fmt: skip
-        lights, cameras = Records([3], [LightAsset("spot", intensity=40.0)]), Records([4], [CameraAsset()])
-        lights.type = np.array([2])
-        self.scene = Scene(nodes, instances, lights, cameras)
         assets = [NodeAsset(name, parent) for name, parent in rows]
-        assets[3].light, assets[4].camera = LightAsset("spot"), CameraAsset()
+        assets[2].translation = (0.0, 1.0, 0.0)
+        assets[3].light, assets[4].camera = LightAsset("spot", intensity=40.0), CameraAsset()
         self.asset = SceneAsset("fake", assets)
+        self.scene = Scene.from_asset(self.asset)
+        self.scene.instances.add_many([1, 2], 0, 0, [0, 1], (0.0, 0.0, 0.0), 0.87)
+        self.scene.update()
         self.residency = Residency()
         self.clips: list[Any] = []
         self.duration = 2.0
@@ -188,6 +100,7 @@ class FakeRuntime:
 
     def update(self, time_s: float = 0.0) -> None:
         self.time = time_s
+        self.scene.update()
 
     def default_camera(self, aspect: float) -> Any:
         matrix = np.eye(4)
@@ -209,6 +122,9 @@ class FakeRuntime:
 
     def pick(self, view: Any, x: float, y: float) -> int:
         return self.picked
+
+    def pick_hits(self, view: Any, x: float, y: float) -> list[Any]:
+        return [(row, np.array([float(i), 0.0, 0.0])) for i, row in enumerate((self.picked, 1)) if row >= 0]
 
     def close(self) -> None:
         self.closed = True
@@ -255,7 +171,7 @@ class FakeHost:
         findings.warn("fake.odd", "something odd", "nodes[0]")
         return Resolved(path, path.with_suffix(".scene.json"), None, "", findings)
 
-    def open_runtime(self, device: Any, scene: Path) -> Any:
+    def open_runtime(self, device: Any, scene: Path, root: Path | None = None) -> Any:
         if "broken" in scene.name:
             raise FormatError("the scene is damaged", where=scene)
         self.runtimes.append(FakeRuntime(self.extra_nodes))

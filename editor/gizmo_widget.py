@@ -1,0 +1,124 @@
+"""The gizmo in the viewport: ImGuizmo's handles round the selection, one undo entry per drag."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from imgui_bundle import imgui, imguizmo
+from numpy.typing import NDArray
+
+from editor import gizmo
+from editor.gizmo import Grip
+from editor.ui import Ui
+
+_g = imguizmo.im_guizmo
+OPERATIONS = {"move": _g.OPERATION.translate, "rotate": _g.OPERATION.rotate, "scale": _g.OPERATION.scale}
+VERBS = {"move": "Move", "rotate": "Turn", "scale": "Scale"}
+
+
+class GizmoWidget:
+    """`busy`: the pointer is on a handle or drags one, so the viewport must leave the left button alone."""
+
+    def __init__(self) -> None:
+        self.busy = False
+        self.using = False
+        self._grip: Grip | None = None
+        self._start: NDArray[np.float64] = np.eye(4)
+        self._held: NDArray[np.float64] = np.eye(4)
+        self._serial = 0
+
+    def draw(self, ui: Ui, x: float, y: float, width: float, height: float, *, blocked: bool) -> None:
+        """Over a picture at (x, y), inside its window. `blocked`: another gesture has the pointer."""
+        session, document = ui.session, ui.session.document
+        mode = session.tools.mode
+        if document is None or mode not in OPERATIONS or not document.selection:
+            self._let_go(ui)
+            return
+        grip = self._grip if self._grip is not None and self.using else gizmo.begin(document, local=_local(ui))
+        if grip is None or not np.isfinite(grip.pivot).all():
+            self._let_go(ui)
+            return
+        camera = session.camera
+        view, clip = gizmo.camera_matrices(camera, width / max(height, 1.0))
+        held = grip.pivot if not self.using else self._held
+        relative = held.copy()
+        relative[:3, 3] -= camera.eye()
+        matrix = _to_widget(relative)
+        _g.set_orthographic(camera.orthographic)
+        _g.set_drawlist(imgui.get_window_draw_list())
+        _g.set_rect(x, y, width, height)
+        _g.set_gizmo_size_clip_space(0.14)
+        _g.enable(not blocked)
+        space = _g.MODE.local if _local(ui) else _g.MODE.world
+        changed = bool(
+            _g.manipulate(_to_widget(view), _to_widget(clip), OPERATIONS[mode], space, matrix, None, _snap(ui, mode))
+        )
+        using = bool(_g.is_using())
+        if using and not self.using:
+            self._grip, self._start = grip, _from_widget(_to_widget(relative))
+            self._serial += 1
+        self.busy = using or (bool(_g.is_over()) and not blocked)
+        self.using = using
+        now = _from_widget(matrix)
+        self._held = now.copy()
+        self._held[:3, 3] += camera.eye()
+        if using and changed and self._grip is not None:
+            self._apply(ui, self._grip, now, mode)
+        if not using and self._grip is not None:
+            self._grip = None
+            session.end_gesture()
+
+    def _apply(self, ui: Ui, grip: Grip, now: NDArray[np.float64], mode: str) -> None:
+        """`now`, `_start`: the pivot relative to the eye, both as the widget rounds them."""
+        session = ui.session
+        if mode == "scale":
+            lengths = np.linalg.norm(now[:3, :3], axis=0) / np.linalg.norm(self._start[:3, :3], axis=0)
+            factors = (float(lengths[0]), float(lengths[1]), float(lengths[2]))
+            if len(grip.rows) == 1:
+                values = gizmo.scaled_alone(grip, factors)
+            else:
+                values = gizmo.moved(grip, gizmo.scaling(grip, factors), mode)
+        else:
+            delta = np.eye(4)
+            if mode == "rotate":
+                turn = now[:3, :3] @ self._start[:3, :3].T
+                u, _s, vt = np.linalg.svd(turn)  # the nearest rotation: the widget works in float32
+                delta[:3, :3] = u @ vt
+                at = grip.pivot[:3, 3]
+                delta[:3, 3] = at - delta[:3, :3] @ at
+            else:
+                delta[:3, 3] = now[:3, 3] - self._start[:3, 3]
+            values = gizmo.moved(grip, delta, mode)
+        count = len(grip.rows)
+        what = session.node_name(grip.rows[0]) if count == 1 else f"{count} nodes"
+        label = f"{VERBS[mode]} {what}"
+        session.edit("nodes", "local", grip.rows, values, gesture=("gizmo", self._serial), label=label)
+
+    def _let_go(self, ui: Ui) -> None:
+        if self._grip is not None:
+            ui.session.end_gesture()
+        self._grip, self.busy, self.using = None, False, False
+
+
+def _local(ui: Ui) -> bool:
+    """Whether the handles are turned as the node; those of scaling always are, since scale has no other axes."""
+    return bool(ui.session.tools.local) or ui.session.tools.mode == "scale"
+
+
+def _snap(ui: Ui, mode: str) -> Any:
+    """While Ctrl is held."""
+    if not imgui.get_io().key_ctrl:
+        return None
+    step = {"move": gizmo.snap_step(ui.session.camera), "rotate": gizmo.SNAP_DEGREES, "scale": gizmo.SNAP_FACTOR}[mode]
+    return _g.Matrix3([step] * 3)
+
+
+def _to_widget(matrix: NDArray[np.float64]) -> Any:
+    """Column-major floats."""
+    return _g.Matrix16(matrix.T.reshape(16).tolist())
+
+
+def _from_widget(matrix: Any) -> NDArray[np.float64]:
+    result: NDArray[np.float64] = np.array(matrix.values, np.float64).reshape(4, 4).T
+    return result

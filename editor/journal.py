@@ -1,0 +1,320 @@
+"""Journal: every edit as a line in a file, so that a crash loses none. No imgui.
+
+    <settings folder>/recovery/<id>.journal         header line, then one JSON line per do, undo, redo, end, saved
+                              <id>.base.json        the scene file as it was when it was opened
+                              <id>.snapshot.scene.json   the edited scene, now and then: readable by itself
+
+A line is handed to the system before the edit's frame ends, so killing the process loses nothing; every snapshot also
+waits for the disk. A journal whose process lives is locked. Closing a document in good order removes its files; what is
+left belongs to a run that died, and replaying it on the base gives document and undo history back.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import sys
+import time
+import uuid
+from collections.abc import Hashable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO, TYPE_CHECKING, Any
+
+from editor.commands.command import Command, Edit
+from editor.commands.structure import StructureCommand
+from engine.core.errors import InputError, LucarnaError
+from engine.core.findings import Findings
+from engine.core.paths import user_config_dir
+from engine.scene.patch import ScenePatch, side_from_plain, side_to_plain
+
+if TYPE_CHECKING:
+    from editor.document import Document
+    from editor.host import Resolved
+
+VERSION = 1
+#: seconds between snapshots, and how many times its own cost a snapshot waits for the next
+SNAPSHOT_SECONDS, SNAPSHOT_PATIENCE = 15.0, 100.0
+
+
+def recovery_dir() -> Path:
+    return user_config_dir() / "recovery"
+
+
+class Journal:
+    """Writes down what `document.history` does from now on. Raises OSError when the folder cannot be written."""
+
+    def __init__(self, document: Document, folder: Path) -> None:
+        self.document = document
+        folder.mkdir(parents=True, exist_ok=True)
+        stem = f"{time.strftime('%Y%m%d-%H%M%S')}-{os.getpid()}-{uuid.uuid4().hex[:6]}"
+        self.path = folder / f"{stem}.journal"
+        if document.scene_path.is_file():
+            shutil.copyfile(document.base_path or document.scene_path, base_of(self.path))
+        self._file: IO[str] = self.path.open("x", encoding="utf-8")
+        _lock(self._file)
+        self.problem = ""
+        self._changed = False
+        self._snapshot_after = time.monotonic() + SNAPSHOT_SECONDS
+        self._line(
+            {
+                "lucarna-journal": VERSION,
+                "source": str(document.source),
+                "scene": str(document.scene_path),
+                "root": str(document.project_root or ""),
+                "name": document.name,
+                "started": time.time(),
+            }
+        )
+        document.history.listener = self.record
+
+    def record(self, what: str, edit: Edit | None, gesture: Hashable | None) -> None:
+        """One event of the history. A disk that is full stops the journal, not the user: see `problem`."""
+        line: dict[str, Any] = {"e": what}
+        if edit is not None:
+            line["c"] = edit_to_plain(edit)
+            if gesture is not None:
+                line["g"] = repr(gesture)
+        if what == "saved" and self.document.saved_to is not None:
+            line["to"] = str(self.document.saved_to)
+        try:
+            self._line(line)
+        except (OSError, ValueError) as error:
+            self.problem = self.problem or str(error)
+        self._changed = True
+
+    def tick(self) -> None:
+        """Now and then, while nothing is dragged: a snapshot, if anything changed."""
+        now = time.monotonic()
+        if not self._changed or now < self._snapshot_after:
+            return
+        try:
+            self.snapshot()
+        except (OSError, LucarnaError) as error:
+            self.problem = self.problem or str(error)
+        cost = time.monotonic() - now
+        self._snapshot_after = now + max(SNAPSHOT_SECONDS, SNAPSHOT_PATIENCE * cost)
+
+    def snapshot(self) -> Path:
+        """Write the edited scene beside the journal, and the journal to the disk."""
+        from editor.saving import edited_scene
+        from engine.assets.scene_json import write_scene
+
+        path = snapshot_of(self.path)
+        write_scene(path, edited_scene(self.document.runtime, self.document.overrides))
+        os.fsync(self._file.fileno())
+        self._changed = False
+        return path
+
+    def finish(self) -> None:
+        """The document was closed in good order: nothing to recover."""
+        self.leave()
+        discard(self.path)
+
+    def leave(self) -> None:
+        """Stop writing, and keep the files for the next start."""
+        if self.document.history.listener == self.record:
+            self.document.history.listener = None
+        self._file.close()
+
+    def _line(self, data: Mapping[str, Any]) -> None:
+        self._file.write(json.dumps(data, separators=(",", ":")) + "\n")
+        self._file.flush()
+
+
+@dataclass(frozen=True, slots=True)
+class Recovery:
+    """What a run that died has left. `edits`: how many entries its undo history had; `dirty`: some were not saved."""
+
+    path: Path
+    name: str
+    source: Path
+    scene: Path
+    root: Path | None
+    modified: float
+    edits: int
+    dirty: bool
+
+    @property
+    def base(self) -> Path | None:
+        path = base_of(self.path)
+        return path if path.is_file() else None
+
+    def resolved(self) -> Resolved:
+        """What to open for it. Raises InputError where the scene is gone."""
+        from editor.host import Resolved
+
+        if not self.scene.is_file() and not self.scene.parent.is_dir():
+            raise InputError(
+                "the scene of the unsaved edits is gone", where=self.scene, hint=f"its last state: {self.fallback}"
+            )
+        return Resolved(self.source, self.scene, self.root, self.name if self.root else "", Findings(str(self.source)))
+
+    @property
+    def fallback(self) -> Path:
+        path = snapshot_of(self.path)
+        return path if path.is_file() else self.path
+
+
+def pending(folder: Path | None = None) -> list[Recovery]:
+    """Journals of runs that died with unsaved edits, the newest first. Those without any are removed."""
+    found = []
+    for path in sorted((folder or recovery_dir()).glob("*.journal")):
+        if _in_use(path):
+            continue
+        recovery = _summary(path)
+        if recovery is None or not recovery.dirty:
+            discard(path)
+        else:
+            found.append(recovery)
+    return sorted(found, key=lambda r: -r.modified)
+
+
+def replay(document: Document, path: Path) -> int:
+    """Do again what the journal says; returns how many of its events were done.
+
+    An event that no longer fits (its files changed) ends the replay: raises InputError, and what came before stays."""
+    history = document.history
+    done = 0
+    for number, line in _lines(path):
+        what = line.get("e")
+        try:
+            if what == "do":
+                history.do(edit_from_plain(line["c"], document), line.get("g"))
+            elif what == "saved":
+                document.saved_to = Path(line["to"]) if line.get("to") else document.saved_to
+                history.mark_saved()
+            elif what in {"undo", "redo", "end"}:
+                {"undo": history.undo, "redo": history.redo, "end": history.end_gesture}[what]()
+            else:
+                continue
+        except (LucarnaError, KeyError, ValueError, TypeError, IndexError, AttributeError) as error:
+            raise InputError(
+                f"edit {done + 1} of the recovered session no longer fits the scene: {error}",
+                where=f"{path}:{number}", hint=f"what came before is restored; its last state: {snapshot_of(path)}",
+            ) from error  # fmt: skip
+        done += 1
+    history.end_gesture()
+    return done
+
+
+def discard(path: Path) -> None:
+    """Remove a journal and what lies beside it."""
+    for file in (path, base_of(path), snapshot_of(path)):
+        file.unlink(missing_ok=True)
+
+
+def base_of(path: Path) -> Path:
+    return path.with_name(f"{path.stem}.base.json")
+
+
+def snapshot_of(path: Path) -> Path:
+    return path.with_name(f"{path.stem}.snapshot.scene.json")
+
+
+def edit_to_plain(edit: Edit) -> dict[str, Any]:
+    """An edit as JSON-able values."""
+    if isinstance(edit, StructureCommand):
+        return {
+            "before": side_to_plain(edit.patch.before),
+            "after": side_to_plain(edit.patch.after),
+            "selection": edit.selection,
+            "overrides": [[[*key, value] for key, value in side.items()] for side in edit.overrides],
+            "label": edit.label,
+        }
+    assert isinstance(edit, Command)
+    return {
+        "table": edit.table, "column": edit.column, "rows": edit.rows, "before": edit.before, "after": edit.after,
+        "label": edit.label,
+    }  # fmt: skip
+
+
+def edit_from_plain(data: Mapping[str, Any], document: Document) -> Edit:
+    """The edit that `edit_to_plain` wrote. Raises KeyError, TypeError or ValueError for anything else."""
+    if "selection" in data:
+        scene = document.runtime.scene
+        before, after = (side_from_plain(data[side], scene) for side in ("before", "after"))
+        old, new = ({(t, c, int(r)): _tuples(v) for t, c, r, v in side} for side in data["overrides"])
+        first, second = (tuple(int(r) for r in rows) for rows in data["selection"])
+        return StructureCommand(ScenePatch(before, after), (first, second), (old, new), str(data["label"]))
+    rows = tuple(int(r) for r in data["rows"])
+    return Command(
+        str(data["table"]), str(data["column"]), rows, _tuples(data["before"]), _tuples(data["after"]), data["label"]
+    )
+
+
+def _tuples(value: Any) -> Any:
+    return tuple(_tuples(v) for v in value) if isinstance(value, list) else value
+
+
+def _lines(path: Path) -> Iterator[tuple[int, dict[str, Any]]]:
+    """(line number, value) of each whole line; a torn last one is left out."""
+    with path.open(encoding="utf-8", errors="replace") as file:
+        for number, line in enumerate(file, 1):
+            try:
+                data = json.loads(line)
+            except ValueError:
+                return
+            if isinstance(data, dict):
+                yield number, data
+
+
+def _summary(path: Path) -> Recovery | None:
+    """What the prompt says of a journal, by counting; None for a file that is none."""
+    header: dict[str, Any] | None = None
+    done, saved, undone, gesture = 0, 0, 0, ""
+    try:
+        for _, line in _lines(path):
+            if header is None:
+                if line.get("lucarna-journal") != VERSION:
+                    return None
+                header = line
+                continue
+            what, edit = line.get("e"), line.get("c", {})
+            token = str((line["g"], edit.get("table"), edit.get("column"), edit.get("rows"))) if "g" in line else ""
+            if what == "do":
+                if not token or token != gesture:
+                    done, undone = done + 1, 0
+                elif saved == done:
+                    saved = -1
+                gesture = token
+                continue
+            gesture = ""
+            if what == "undo" and done:
+                done, undone = done - 1, undone + 1
+            elif what == "redo" and undone:
+                done, undone = done + 1, undone - 1
+            elif what == "saved":
+                saved = done
+        if header is None:
+            return None
+        return Recovery(
+            path, str(header["name"]), Path(header["source"]), Path(header["scene"]),
+            Path(header["root"]) if header["root"] else None, path.stat().st_mtime, done, done != saved,
+        )  # fmt: skip
+    except (OSError, KeyError, TypeError):
+        return None
+
+
+def _lock(file: IO[str]) -> None:
+    if sys.platform == "win32":
+        return  # an open file cannot be renamed there: see _in_use
+    import fcntl
+
+    fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+
+
+def _in_use(path: Path) -> bool:
+    """Whether the process that writes the journal lives. The system drops its lock when it dies, however it dies."""
+    try:
+        if sys.platform == "win32":
+            path.rename(path)
+            return False
+        import fcntl
+
+        with path.open("r", encoding="utf-8") as file:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        return False
+    except OSError:
+        return True

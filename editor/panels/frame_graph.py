@@ -1,0 +1,148 @@
+"""Frame graph: the passes of the last frame as boxes, their textures as lines, what was left out and why in grey."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+from imgui_bundle import imgui
+
+from editor import icons, theme
+from editor.graph_layout import Box, Diagram, Edge, diagram
+from editor.panels.base import Panel
+from editor.ui import Ui
+from editor.widgets import em, empty_state, fitted, text, tooltip
+from engine.framegraph.dump import extent
+from engine.framegraph.resources import human_bytes, texture_bytes
+
+BOX, GAP = (9.6, 2.9), (5.2, 0.9)
+CURVE = 0.45
+
+
+class FrameGraphPanel(Panel):
+    title: ClassVar[str] = "Frame graph"
+    icon: ClassVar[str] = icons.GRAPH
+    dock: ClassVar[str] = "Bottom"
+
+    def __init__(self) -> None:
+        self._plan: object = None
+        self.diagram = Diagram((), (), 0, 0)
+        #: index of the box under the pointer in the frame before, or -1
+        self.hovered = -1
+
+    def draw(self, ui: Ui) -> None:
+        frame = ui.session.image.frame
+        plan = getattr(getattr(frame, "graph", None), "plan", None)
+        if frame is None or plan is None:
+            empty_state(icons.GRAPH, "No frame yet")
+            return
+        if plan is not self._plan:
+            self._plan, self.diagram = plan, diagram(plan.declarations, plan.left_out)
+        self._summary(ui, frame.graph)
+        if imgui.begin_child("canvas", (0, 0), 0, imgui.WindowFlags_.horizontal_scrollbar):
+            self._canvas(ui, frame, plan)
+        imgui.end_child()
+
+    def _summary(self, ui: Ui, graph: Any) -> None:
+        plan = graph.plan
+        saved = sum(b.saved for b in self.diagram.boxes)
+        text(f"{len(plan.passes)} of {len(plan.passes) + len(plan.left_out)} passes run", theme.TEXT)
+        imgui.same_line(0, em(1))
+        text(f"{human_bytes(graph.transient_bytes)} of shared textures", theme.DIM)
+        tooltip(f"{human_bytes(graph.unaliased_bytes)} if each had memory of its own")
+        if saved:
+            imgui.same_line(0, em(1))
+            text(f"{human_bytes(saved)} not made", theme.GOOD)
+            tooltip("Textures of the passes that this scene does not need")
+        imgui.same_line(0, em(1))
+        if imgui.small_button(f"{icons.COPY}  Copy as text"):
+            ui.session.ui.copy_text = graph.dump()
+            ui.session.ui.notice = "Copied the frame graph"
+
+    def _canvas(self, ui: Ui, frame: Any, plan: Any) -> None:
+        origin = imgui.get_cursor_screen_pos()
+        lines = imgui.get_window_draw_list()
+        drawing = self.diagram
+        times = {p.name: p.ms for p in frame.stats.passes}
+        longest = max([*times.values(), 1e-9])
+        rects = [self._rect(origin, box) for box in drawing.boxes]
+        lit = {e for e in drawing.edges if self.hovered in (e.start, e.end)}
+        for edge in sorted(drawing.edges, key=lambda e: e in lit):
+            self._edge(lines, edge, rects, plan, bright=edge in lit)
+        hovered = -1
+        for i, (box, rect) in enumerate(zip(drawing.boxes, rects, strict=True)):
+            imgui.set_cursor_screen_pos(rect[:2])
+            imgui.invisible_button(f"##pass-{box.name}", (rect[2] - rect[0], rect[3] - rect[1]))
+            if imgui.is_item_hovered():
+                hovered = i
+                self._tooltip(box, plan, times)
+            self._box(lines, box, rect, times.get(box.name), longest, bright=i == self.hovered)
+        self.hovered = hovered
+        imgui.set_cursor_screen_pos(origin)
+        imgui.dummy((em(drawing.columns * (BOX[0] + GAP[0])), em(drawing.rows * (BOX[1] + GAP[1]) + 0.6)))
+
+    def _rect(self, origin: Any, box: Box) -> tuple[float, float, float, float]:
+        x = origin.x + em(0.4 + box.column * (BOX[0] + GAP[0]))
+        y = origin.y + em(0.4 + box.row * (BOX[1] + GAP[1]) + (0.8 if box.reason else 0.0))
+        return x, y, x + em(BOX[0]), y + em(BOX[1])
+
+    def _box(
+        self, lines: Any, box: Box, rect: tuple[float, float, float, float], ms: float | None, longest: float,
+        *, bright: bool,
+    ) -> None:  # fmt: skip
+        x0, y0, x1, y1 = rect
+        out = bool(box.reason)
+        lines.add_rect_filled((x0, y0), (x1, y1), theme.u32(theme.FRAME if out else theme.RAISED), em(0.3))
+        if ms is not None:  # its share of the longest pass, along the lower edge
+            lines.add_rect_filled(
+                (x0, y1 - em(0.22)), (x0 + (x1 - x0) * ms / longest, y1), theme.u32(theme.ACCENT), em(0.1)
+            )
+        border = theme.ACCENT if bright else theme.FAINT
+        lines.add_rect((x0, y0), (x1, y1), theme.u32((*border[:3], 0.9 if bright else 0.45)), em(0.3))
+        room = x1 - x0 - em(0.9)
+        name = fitted(box.name, room)
+        lines.add_text((x0 + em(0.45), y0 + em(0.3)), theme.u32(theme.FAINT if out else theme.TEXT), name)
+        below = box.reason if out else ("" if ms is None else f"{ms:.2f} ms")
+        lines.add_text(
+            (x0 + em(0.45), y0 + em(1.45)), theme.u32(theme.FAINT if out else theme.DIM), fitted(below, room)
+        )
+
+    def _edge(self, lines: Any, edge: Edge, rects: list[Any], plan: Any, *, bright: bool) -> None:
+        a, b = rects[edge.start], rects[edge.end]
+        start, end = (a[2], 0.5 * (a[1] + a[3])), (b[0], 0.5 * (b[1] + b[3]))
+        bend = max(em(2.0), abs(end[0] - start[0]) * CURVE)
+        color = theme.ACCENT if bright else theme.WARNING if edge.history else theme.INFO
+        tint = theme.u32((*color[:3], 1.0 if bright else 0.55))
+        lines.add_bezier_cubic(start, (start[0] + bend, start[1]), (end[0] - bend, end[1]), end, tint, em(0.13))
+        lines.add_circle_filled(end, em(0.18), tint)
+        adjacent = abs(end[0] - start[0] - em(GAP[0])) < em(0.5)
+        if bright or adjacent:
+            label = fitted(edge.resource, em(GAP[0] - 0.8) if adjacent else em(12))
+            size = imgui.calc_text_size(label)
+            x = 0.5 * (start[0] + end[0]) - 0.5 * size.x
+            y = 0.5 * (start[1] + end[1]) - size.y - em(0.1)
+            lines.add_text((x, y), theme.u32(theme.TEXT if bright else theme.DIM), label)
+
+    def _tooltip(self, box: Box, plan: Any, times: dict[str, float]) -> None:
+        imgui.begin_tooltip()
+        imgui.text_unformatted(box.name)
+        if box.reason:
+            text(f"Left out: {box.reason}", theme.DIM)
+            text(f"Saves {human_bytes(box.saved)} of textures", theme.GOOD)
+        else:
+            declaration = next(d for d in plan.declarations if d.name == box.name)
+            if box.name in times:
+                text(f"{times[box.name]:.3f} ms", theme.ACCENT)
+            for verb, names in (
+                ("reads", declaration.reads), ("writes", declaration.writes), ("from the frame before",
+                declaration.histories), ("shows", declaration.presents),
+            ):  # fmt: skip
+                for name in names:
+                    desc = plan.descs.get(name)
+                    what = (
+                        "" if desc is None else f"  {desc.format}  {extent(desc)}  {human_bytes(texture_bytes(desc))}"
+                    )
+                    text(f"{verb} {name}{what}", theme.DIM)
+        imgui.end_tooltip()
+
+
+PANEL = FrameGraphPanel

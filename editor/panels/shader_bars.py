@@ -1,0 +1,133 @@
+"""The shader editor's bars: what can be done with the text, what is wrong, what changed elsewhere."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from imgui_bundle import imgui
+
+from editor import icons, theme
+from editor.code.document import CodeDocument
+from editor.code.files import is_built_in
+from editor.code.problems import STATES
+from editor.theme import Rgba
+from editor.ui import Ui
+from editor.widgets import em, fitted_text, icon_button, text
+
+
+def draw_header(ui: Ui) -> None:
+    """Buttons, and the first problem."""
+    session = ui.session
+    front, problems = session.code.front, session.shaders.problems
+    if icon_button(f"{icons.SAVE}##save-text", "Save (Ctrl+S)", enabled=front is not None and front.dirty):
+        session.save_code()
+    imgui.same_line(0, em(0.2))
+    if icon_button(f"{icons.RELOAD}##reload", "Reload shaders (F5)"):
+        ui.operations.run("shader.reload", session)
+    imgui.same_line(0, em(0.2))
+    if icon_button(f"{icons.NEXT_ERROR}##next-error", "Next error (F8)", enabled=bool(problems)):
+        ui.operations.run("shader.next-error", session)
+    imgui.same_line(0, em(0.8))
+    imgui.align_text_to_frame_padding()
+    if problems:
+        first = problems[0]
+        fitted_text(
+            f"{icons.ERROR}  {first.place}  {first.message}", theme.ERROR, more=f"{STATES[first.state]}\n{first.detail}"
+        )
+    elif session.shaders.taken:
+        fitted_text(f"Up to date; the last change took {session.shaders.last_ms:.0f} ms", theme.FAINT)
+    else:
+        text("Saved text shows at once", theme.FAINT)
+
+
+def draw_bars(ui: Ui, document: CodeDocument) -> None:
+    """Above the text: a conflict, a file that is gone, a built-in shader."""
+    if document.conflict:
+        _conflict(ui, document)
+    elif document.gone:
+        if (
+            _bar("gone", theme.WARNING, f"{icons.WARNING}  {document.name} is not there any more", ["Write it again"])
+            == 0
+        ):
+            ui.session.save_code()
+    elif document.read_only or is_built_in(document.path):
+        what = "is read-only" if document.read_only else "is one of Lucarna's own: all projects see a change"
+        buttons = (
+            ["Copy into project to edit"] if is_built_in(document.path) and ui.session.document is not None else []
+        )
+        if _bar("built-in", theme.INFO, f"{icons.LOCK}  {document.name} {what}", buttons) == 0:
+            ui.session.copy_code_into_project()
+
+
+def _conflict(ui: Ui, document: CodeDocument) -> None:
+    words = f"{icons.WARNING}  {document.name} was changed here and by another program"
+    chosen = _bar("conflict", theme.WARNING, words, ["Keep mine", "Take theirs", "Show difference"])
+    if chosen == 0:
+        document.keep_mine()
+        ui.session.save_code()
+    elif chosen == 1:
+        document.take_theirs()
+    elif chosen == 2:
+        imgui.open_popup("Difference")
+    _difference(document)
+
+
+def _difference(document: CodeDocument) -> None:
+    from imgui_bundle import imgui_color_text_edit as code_edit
+
+    size = imgui.get_main_viewport().size
+    imgui.set_next_window_size((size.x * 0.8, size.y * 0.75), imgui.Cond_.appearing)
+    if not imgui.begin_popup_modal("Difference", None, 0)[0]:
+        return
+    differ = _DIFFERENCES.get(document.path)
+    if differ is None or differ[0] != (document.theirs, document.text):
+        made = code_edit.TextDiff()
+        made.set_side_by_side_mode(True)
+        made.set_language(code_edit.TextEditor.Language.glsl())
+        made.set_text(document.theirs or "", document.text)
+        differ = _DIFFERENCES[document.path] = ((document.theirs, document.text), made)
+    text("Left: what the other program wrote. Right: yours.", theme.DIM)
+    differ[1].render("##difference", (0, -em(2.6)))
+    for index, label in enumerate(("Keep mine", "Take theirs", "Close")):
+        if imgui.button(label, (em(8), 0)):
+            if index == 0:
+                document.keep_mine()
+            elif index == 1:
+                document.take_theirs()
+            _DIFFERENCES.pop(document.path, None)
+            imgui.close_current_popup()
+        imgui.same_line()
+    imgui.end_popup()
+
+
+#: path -> ((theirs, mine), the widget that shows how they differ)
+_DIFFERENCES: dict[Path, tuple[tuple[str | None, str], Any]] = {}
+
+
+def _bar(name: str, color: Rgba, words: str, buttons: list[str]) -> int:
+    """A line on a tinted ground with buttons; the index of the one pressed, or -1."""
+    imgui.push_style_color(imgui.Col_.child_bg, imgui.ImVec4(color[0], color[1], color[2], 0.12))
+    height = imgui.get_frame_height() + em(0.5)
+    pressed = -1
+    imgui.begin_child(f"bar-{name}", (0, height), 0, imgui.WindowFlags_.no_scrollbar)
+    imgui.set_cursor_pos((em(0.5), em(0.25)))
+    imgui.align_text_to_frame_padding()
+    width = sum(imgui.calc_text_size(b).x + em(1.6) for b in buttons)
+    imgui.begin_group()
+    start = imgui.get_cursor_pos_x()
+    imgui.push_clip_rect(
+        imgui.get_cursor_screen_pos(),
+        (imgui.get_cursor_screen_pos().x + imgui.get_content_region_avail().x - width, 1e6), True,
+    )  # fmt: skip
+    text(words, color)
+    imgui.pop_clip_rect()
+    imgui.end_group()
+    imgui.same_line(max(start, imgui.get_window_width() - width))
+    for index, label in enumerate(buttons):
+        if imgui.button(label):
+            pressed = index
+        imgui.same_line(0, em(0.4))
+    imgui.end_child()
+    imgui.pop_style_color()
+    return pressed

@@ -1,0 +1,161 @@
+"""An animation file resolved against a scene: names become rig nodes, clips and numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.animation import mask, poses
+from engine.animation.blend_space import BlendSpace
+from engine.animation.events import Marker
+from engine.animation.graph import (
+    AnimationGraph,
+    ClipUse,
+    Condition,
+    LayerUse,
+    Motion,
+    Param,
+    State,
+    Transition,
+)
+from engine.animation.rig import Rig, moved_nodes, rig_of
+from engine.animation.sampler import ClipSampler
+from engine.assets.animation_toml import AnimationModel, LayerModel, condition, read_animation
+from engine.assets.clip import ClipAsset
+from engine.assets.records import did_you_mean
+from engine.assets.scene import NodeAsset
+from engine.core.errors import FormatError, InputError
+from engine.core.findings import Findings
+from engine.core.toml_source import KeyPath, TomlSource
+
+F8 = NDArray[np.float64]
+
+
+def load_animation(
+    path: Path, nodes: Sequence[NodeAsset], clips: Sequence[ClipAsset], findings: Findings | None = None
+) -> AnimationGraph:
+    """Read an animation file for a scene's nodes and clips.
+
+    The rig is every node that one of the file's clips moves. Raises InputError and FormatError
+    with file:line:column. `findings` notes what was wrong in the clips and which masked nodes no layer moves.
+    """
+    model, source = read_animation(path)
+    return resolve(model, source, nodes, clips, findings)
+
+
+def resolve(
+    model: AnimationModel,
+    source: TomlSource,
+    nodes: Sequence[NodeAsset],
+    clips: Sequence[ClipAsset],
+    findings: Findings | None = None,
+) -> AnimationGraph:
+    """The graph that `model` describes; complaints stand where `source` has the word. Raises FormatError."""
+    notes = findings if findings is not None else Findings()
+    used = {key: _clip(key, model, source, clips) for key in model.clips}
+    rig = rig_of(nodes, moved_nodes(used.values(), len(nodes)))
+    samplers = {key: ClipSampler(clip, rig) for key, clip in used.items()}
+    for sampler in samplers.values():
+        notes.items.extend(sampler.findings)
+    numbers = {key: i for i, key in enumerate(model.clips)}
+    params = {key: i for i, key in enumerate(model.params)}
+    states = {key: i for i, key in enumerate(model.states)}
+
+    def motion(clip: str, blend: str) -> Motion:
+        if clip:
+            return Motion((numbers[clip],))
+        chosen = model.blends[blend]
+        space = BlendSpace(np.array([s.at for s in chosen.samples]))
+        return Motion(
+            tuple(numbers[s.clip] for s in chosen.samples), space, tuple(params[name] for name in chosen.params)
+        )
+
+    masks = {key: _mask(key, model, source, rig) for key in model.masks}
+    graph = AnimationGraph(
+        rig,
+        [
+            ClipUse(samplers[key], [Marker(m.name, m.time) for m in clip.markers])
+            for key, clip in model.clips.items()
+        ],
+        [State(key, motion(s.clip, s.blend), s.speed, s.mode) for key, s in model.states.items()],
+        [Param(key, p.type, float(p.default)) for key, p in model.params.items()],
+        [
+            Transition(
+                -1 if t.source == "any" else states[t.source], states[t.target],
+                tuple(_condition(text, params) for text in t.when), t.fade, t.curve, t.exit, t.sync,
+            )
+            for t in model.transitions
+        ],
+        name=model.name,
+        root=_node(model.root, ("root",), source, rig) if model.root else -1,
+        start=states[model.start] if model.start else 0,
+    )  # fmt: skip
+    for i, layer in enumerate(model.layers):
+        over = masks[layer.mask] if layer.mask else mask.everything(rig)
+        made = motion(layer.clip, layer.blend)
+        free = mask.uncovered(rig, over, [graph.clips[c].sampler for c in made.clips])
+        if layer.mask and free:
+            notes.warn(
+                "layer.uncovered", f"layer {layer.name!r}: its clips do not move {', '.join(free)}",
+                f"layers[{i}]", "there the layer holds the rest pose",
+            )  # fmt: skip
+        by_param = isinstance(layer.weight, str)
+        graph.layers.append(
+            LayerUse(
+                layer.name, made, over, layer.mode, _reference(layer, samplers, rig),
+                params[str(layer.weight)] if by_param else -1, 1.0 if by_param else float(layer.weight),
+                layer.speed, layer.play,
+            )
+        )  # fmt: skip
+    graph.validate()
+    return graph
+
+
+def _clip(key: str, model: AnimationModel, source: TomlSource, clips: Sequence[ClipAsset]) -> ClipAsset:
+    wanted = model.clips[key].source or key
+    for clip in clips:
+        if clip.name == wanted:
+            return clip
+    names = [clip.name for clip in clips]
+    keys: KeyPath = ("clips", key, "source") if model.clips[key].source else ("clips", key)
+    hint = did_you_mean(wanted, names) or f"clips: {', '.join(names) or 'none'}"
+    raise source.error(keys, f"the scene has no clip {wanted!r}", hint=hint, value=bool(model.clips[key].source))
+
+
+def _node(name: str, keys: KeyPath, source: TomlSource, rig: Rig) -> int:
+    try:
+        return rig.index(name)
+    except InputError as error:
+        raise source.error(keys, error.message, hint=error.hint, value=True) from None
+
+
+def _mask(key: str, model: AnimationModel, source: TomlSource, rig: Rig) -> F8:
+    chosen = model.masks[key]
+    parts = []
+    for i, part in enumerate(chosen.subtrees):
+        _node(part.node, ("masks", key, "subtrees", i, "node"), source, rig)
+        parts.append(mask.subtree(rig, part.node, part.weight, part.fall_off))
+    for name in chosen.nodes:
+        _node(name, ("masks", key, "nodes", name), source, rig)
+    return mask.combine(rig, parts, chosen.nodes)
+
+
+def _condition(text: str, params: dict[str, int]) -> Condition:
+    parsed = condition(text)
+    if parsed is None:
+        raise FormatError(f"{text!r} is no condition")
+    return Condition(params[parsed[0]], parsed[1], parsed[2])
+
+
+def _reference(layer: LayerModel, samplers: dict[str, ClipSampler], rig: Rig) -> F8 | None:
+    """f8[10,n]: what an additive layer is measured from."""
+    if layer.mode != "additive":
+        return None
+    pose = poses.resting(rig.rest, 1)
+    name = layer.clip if layer.reference is None else layer.reference
+    if name:
+        samplers[name].sample([layer.reference_time], pose)
+    return pose[:, 0]

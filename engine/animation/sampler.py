@@ -1,0 +1,168 @@
+"""ClipSampler: one clip at as many times as there are characters, into their poses, in a few array operations."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from engine.animation import poses
+from engine.animation.rig import Rig
+from engine.animation.tracks import Track, pack
+from engine.assets.clip import ClipAsset
+from engine.core.errors import InputError
+from engine.core.findings import Findings
+
+F8 = NDArray[np.float64]
+I8 = NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Group:
+    """Channels of one path and interpolation whose keys stand at the same times, `values` f8[w,keys,k] (cubic:
+    f8[3,w,keys,k]). `theta` f8[keys-1,k]: the angle in 4-space of each segment of a linear rotation."""
+
+    path: str
+    interpolation: str
+    columns: slice | I8
+    times: F8
+    values: F8
+    theta: F8 | None
+
+
+class ClipSampler:
+    """`clip` on the nodes of `rig`. `covers` bool[3,n]: which translations, rotations, scales it has keys for.
+
+    Quaternions are aligned key to key and the angles between them measured once, here. `findings` as of tracks.pack.
+    """
+
+    def __init__(self, clip: ClipAsset, rig: Rig) -> None:
+        self.name = clip.name
+        self.rig = rig
+        self.findings = Findings(clip.name)
+        size = max([c.node + 1 for c in clip.channels] + [int(rig.source.max(initial=-1)) + 1, 0])
+        column = np.full(size, -1, np.int64)
+        column[rig.source] = np.arange(len(rig))
+        tracks = pack(clip, column, self.findings)
+        self._groups = [group for track in tracks for group in _groups(track)]
+        self.duration = max((float(t.times[t.first + t.count - 1].max()) for t in tracks), default=0.0)
+        self.covers = np.zeros((3, len(rig)), np.bool_)
+        for track in tracks:
+            self.covers[("translation", "rotation", "scale").index(track.path), track.rows] = True
+
+    def sample(self, times: ArrayLike, out: F8) -> None:
+        """Write the poses at `times` f8[m] (seconds, held at the clip's ends) to what it covers of `out` f8[10,m,n]."""
+        at = np.nan_to_num(np.asarray(times, np.float64))
+        for group in self._groups:
+            out[poses.ROWS[group.path], :, group.columns] = _evaluate(group, at)
+
+
+@dataclass(slots=True)
+class SampleJob:
+    """A clip at `times` f8[m] over the rest pose, to `out` f8[10,m,n]."""
+
+    sampler: ClipSampler
+    times: F8
+    out: F8
+
+    def validate(self) -> None:
+        """Raise InputError when the shapes do not fit."""
+        poses.check(self.out, "out", (10, len(self.times), len(self.sampler.rig)))
+        if self.times.ndim != 1:
+            raise InputError(f"times have shape {self.times.shape}, expected one per character")
+
+    def run(self) -> None:
+        self.out[...] = self.sampler.rig.rest[:, None, :]
+        self.sampler.sample(self.times, self.out)
+
+
+def _evaluate(group: _Group, at: F8) -> F8:
+    """f8[w,m,k]"""
+    times, values = group.times, group.values
+    if group.interpolation == "step":
+        key = np.clip(np.searchsorted(times, at, side="right") - 1, 0, len(times) - 1)
+        return values[:, key]
+    at = np.clip(at, times[0], times[-1])
+    key = np.clip(np.searchsorted(times, at, side="right") - 1, 0, len(times) - 2)
+    span = times[key + 1] - times[key]
+    u = ((at - times[key]) / span)[:, None]
+    if group.interpolation == "cubic":
+        return _hermite(group, key, span[:, None], u)
+    start, end = values[:, key], values[:, key + 1]
+    if group.theta is None:
+        # rather start + u (end - start) than two products: equal keys stay exactly what they are
+        end -= start
+        end *= u
+        end += start
+        return end
+    weight_a, weight_b = poses.slerp_weights(group.theta[key], u)
+    start *= weight_a
+    end *= weight_b
+    start += end
+    return start
+
+
+def _hermite(group: _Group, key: I8, span: F8, u: F8) -> F8:
+    """The cubic Hermite spline (glTF 2.0, appendix C.5); rotations are made unit afterwards."""
+    u2 = u * u
+    u3 = u2 * u
+    entering, value, leaving = group.values
+    result: F8 = (
+        (2.0 * u3 - 3.0 * u2 + 1.0) * value[:, key]
+        + (u3 - 2.0 * u2 + u) * span * leaving[:, key]
+        + (3.0 * u2 - 2.0 * u3) * value[:, key + 1]
+        + (u3 - u2) * span * entering[:, key + 1]
+    )
+    if group.path == "rotation":
+        start, end = value[:, key], value[:, key + 1]
+        return poses.unit(result, poses.nlerp(start, end, u))
+    return result
+
+
+def _groups(track: Track) -> list[_Group]:
+    """The track's channels, those with the same key times together."""
+    of_times: dict[bytes, list[int]] = {}
+    for channel in range(len(track.rows)):
+        first, count = int(track.first[channel]), int(track.count[channel])
+        of_times.setdefault(track.times[first : first + count].tobytes(), []).append(channel)
+    shared = list(of_times.values())
+    if len(shared) > 4 and track.interpolation != "cubic":
+        # many short searches cost more than keys that change nothing: put all on the union of the times
+        return _merged(track, shared)
+    return [_group(track, channels) for channels in shared]
+
+
+def _group(track: Track, channels: list[int]) -> _Group:
+    first, count = track.first[channels[0]], track.count[channels[0]]
+    times = track.times[first : first + count]
+    # keys x channels x (3 x) w  ->  (3 x) w x keys x channels
+    values = np.stack([track.values[track.first[c] : track.first[c] + count] for c in channels], axis=1)
+    return _finish(track, channels, times, np.moveaxis(values, (0, 1), (-2, -1)))
+
+
+def _merged(track: Track, shared: list[list[int]]) -> list[_Group]:
+    """One group on the union of all key times, unless that is more than eight times the keys: then one for each."""
+    groups = [_group(track, channels) for channels in shared]
+    union = np.unique(track.times)
+    if len(union) * len(track.rows) > 8 * len(track.times):
+        return groups
+    values = np.concatenate([_evaluate(group, union) for group in groups], axis=-1)
+    return [_finish(track, [c for channels in shared for c in channels], union, values)]
+
+
+def _finish(track: Track, channels: list[int], times: F8, values: F8) -> _Group:
+    order = np.argsort(track.rows[channels])
+    rows = track.rows[channels][order]
+    columns = slice(int(rows[0]), int(rows[-1]) + 1) if rows[-1] - rows[0] == len(rows) - 1 else rows
+    values = np.array(values[..., order])
+    interpolation = track.interpolation
+    if len(times) == 1:  # nothing to interpolate
+        values = values if values.ndim == 3 else values[1]
+        interpolation = "step"
+    theta = None
+    if track.path == "rotation" and interpolation == "linear":
+        flips = np.where(poses.dot(values[:, 1:], values[:, :-1]) < 0.0, -1.0, 1.0)
+        values[:, 1:] *= np.cumprod(flips, axis=0)
+        theta = poses.angle_4d(values[:, :-1], values[:, 1:])
+    return _Group(track.path, interpolation, columns, times, np.ascontiguousarray(values), theta)

@@ -1,0 +1,82 @@
+"""Depth of the scene as the first sun sees it: one layer per cascade. A layer whose key is the last one is not drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from typing import Any, ClassVar
+
+from engine.framegraph.builder import Builder
+from engine.framegraph.passes import WHOLE_PICTURE, Pass, PassContext
+from engine.gpu.types import DepthAttachment, SamplerDesc, Texture
+from engine.render.facts import SceneFacts
+from engine.render.frame import SHADOW_DEPTH_UNIT, SHADOW_UNIT, RenderFrame
+
+#: d32f array: 1 towards the sun, 0 where nothing casts; only the layers of this frame's cascades mean anything
+SUN_SHADOW = "sun_shadow"
+
+#: textures whose content is remembered: as many as the frame graph keeps views
+REMEMBERED = 8
+
+
+class ShadowCascadesPass(Pass):
+    """The map stays from frame to frame (`keep`), so a scene at rest pays for the lookups only.
+
+    A forced frame in which nothing casts has one layer, empty: lit everywhere.
+    """
+
+    name: ClassVar[str] = "shadow_cascades"
+    reach: ClassVar[int | None] = WHOLE_PICTURE
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._drawn: list[tuple[Texture, dict[int, Hashable]]] = []
+
+    def needs(self, facts: SceneFacts) -> bool | str:
+        return True if facts.sun_shadows else "no sun, nothing that casts or shows a shadow, or shadows are off"
+
+    def declare(self, b: Builder) -> None:
+        quality = b.facts.shadow_quality
+        size = (quality.size, quality.size)
+        b.create(SUN_SHADOW, "d32f", size=size, kind="2d-array", layers=quality.cascades)
+        b.keep(SUN_SHADOW)
+
+    def execute(self, ctx: PassContext) -> None:
+        frame: RenderFrame = ctx.frame
+        texture = ctx.texture(SUN_SHADOW)
+        drawn = self._content_of(texture)
+        shadows = frame.shadows
+        if not shadows.cascades and drawn.get(0) != "empty":
+            drawn[0] = "empty"
+            ctx.device.render_pass("shadow cascade 0", [], DepthAttachment(texture, clear=0.0, layer=0)).end()
+        for layer, key in enumerate(shadows.keys):
+            if drawn.get(layer) == key:
+                continue
+            drawn[layer] = key
+            row = frame.shadow_rows.copy()
+            row["clip_from_origin"] = shadows.clip_from_origin(layer, frame.origin).T
+            block = frame.pass_block(f"shadow cascade {layer}", row)
+            target = DepthAttachment(texture, clear=0.0, layer=layer)
+            with ctx.device.render_pass(f"shadow cascade {layer}", [], target) as render_pass:
+                frame.draw_casters(render_pass, frame.draws.caster_batches[layer], block)
+
+    def _content_of(self, texture: Texture) -> dict[int, Hashable]:
+        """layer -> key of what was last drawn into it."""
+        for known, content in self._drawn:
+            if known is texture:
+                return content
+        self._drawn = [*self._drawn[1 - REMEMBERED :], (texture, {})]
+        return self._drawn[-1][1]
+
+
+def shadow_inputs(ctx: PassContext) -> dict[int, Any]:
+    """The map for the lookups of surface shaders, by texture unit; nothing where the frame has none."""
+    if not ctx.has(SUN_SHADOW):
+        return {}
+    frame: RenderFrame = ctx.frame
+    texture = ctx.texture(SUN_SHADOW)
+    filter = "nearest" if frame.facts.shadow_quality.filter == "none" else "linear"
+    compare = ctx.device.sampler(SamplerDesc("clamp", "clamp", "clamp", filter, filter, compare="gequal"))
+    bound = {SHADOW_UNIT: (texture, compare)}
+    if frame.facts.shadow_quality.filter == "pcss":
+        bound[SHADOW_DEPTH_UNIT] = (texture, frame.point_sampler)
+    return bound

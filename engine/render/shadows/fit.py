@@ -1,0 +1,133 @@
+"""Cascades: squares in light space around what the view shows of the scene, on a grid that stands still in the world."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.render.camera import Camera
+from engine.render.shadows.slices import slice_sphere
+from engine.render.shadows.splits import practical_splits
+
+F8 = NDArray[np.float64]
+
+#: a square's half width is one of STEPS_PER_OCTAVE sizes an octave, so that it rarely changes as the camera moves
+STEPS_PER_OCTAVE = 8
+#: a square moves in steps of 1/GRID of its width: a whole number of texels, and seldom
+GRID = 16
+#: texels at each side that only filters look into
+MARGIN = 6
+#: depth reaches so many half widths beyond the square's own cube; what casts from further away is drawn at that end
+DEPTH_REACH = 63.0
+#: a cascade that is not this much smaller than the next one gains nothing
+WORTHWHILE = 0.75
+
+
+@dataclass(frozen=True, slots=True)
+class Cascade:
+    """A square map: centre x, y and half width in light space; depth 0 at `bottom`, 1 at `top` (light-space z).
+
+    `texel`: metres. Two equal cascades have the same texels at the same places of the world.
+    """
+
+    x: float
+    y: float
+    half_width: float
+    bottom: float
+    top: float
+    texel: float
+
+
+@dataclass(frozen=True, slots=True)
+class Spheres:
+    """Bounding spheres: `center` f8[n,3] in light space, `radius` f8[n], `depth` f8[n] along the view."""
+
+    center: F8
+    radius: F8
+    depth: F8
+
+
+def view_range(camera: Camera, receivers: Spheres, distance: float) -> tuple[float, float] | None:
+    """Nearest and furthest view depth of the receivers; None where none is in front of the camera.
+
+    `distance` > 0 is the furthest that shadows are wanted.
+    """
+    if len(receivers.radius) == 0:
+        return None
+    near = max(float((receivers.depth - receivers.radius).min()), camera.znear)
+    far = float((receivers.depth + receivers.radius).max())
+    if distance > 0.0:
+        far = min(far, distance)
+    if camera.ymag > 0.0:
+        far = min(far, camera.zfar)
+    return (near, far) if far >= near else None
+
+
+def fit_cascades(
+    camera: Camera, aspect: float, axes: F8, receivers: Spheres, casters: Spheres, *,
+    count: int, size: int, weight: float, distance: float,
+) -> list[Cascade]:  # fmt: skip
+    """At most `count` cascades of `size` texels, each within the next; none where nothing can be in shadow.
+
+    `axes`: light_from_world. Each covers all that the view shows of the receivers up to its split, so those that would
+    gain nothing over the next are left out, and a picture never depends on which cascade a pixel reads.
+    """
+    depths = view_range(camera, receivers, distance)
+    if depths is None or len(casters.radius) == 0:
+        return []
+    near, far = depths
+    found: list[Cascade] = []
+    for cut in practical_splits(near, far, count, weight)[:0:-1]:  # from the largest to the smallest
+        cascade = _around(camera, aspect, axes, receivers, casters, near, float(cut), size)
+        if cascade is not None and (not found or cascade.half_width < WORTHWHILE * found[-1].half_width):
+            found.append(cascade)
+    return found[::-1]
+
+
+def _around(
+    camera: Camera, aspect: float, axes: F8, receivers: Spheres, casters: Spheres, near: float, far: float, size: int
+) -> Cascade | None:
+    """The square around what is both in the view up to `far` and in a receiver's bounds; None when nothing is."""
+    center, radius = slice_sphere(camera, aspect, near, far)
+    middle = axes @ center
+    inside = receivers.depth - receivers.radius <= far
+    if not inside.any():
+        return None
+    reach = receivers.radius[inside, None]
+    low = np.maximum((receivers.center[inside] - reach).min(axis=0), middle - radius)
+    high = np.minimum((receivers.center[inside] + reach).max(axis=0), middle + radius)
+    if not (np.isfinite(low).all() and np.isfinite(high).all() and (high >= low).all()):
+        return None
+    spot = (low + high) / 2
+    needed = max(float((high - low)[:2].max()) / 2, 1e-9, 1e-12 * float(np.abs(spot).max()))
+    half_width = _rounded_up(needed / (1.0 - 1.0 / GRID - 2.0 * MARGIN / size))
+    texel = 2.0 * half_width / size
+    step = texel * max(size // GRID, 1)
+    x, y = np.round(spot[:2] / step) * step
+    # Depth has no texels to keep still; its ends are rounded only so that a cascade stays equal to itself.
+    rung = half_width / 2
+    top = min(float((casters.center[:, 2] + casters.radius).max()), float(high[2]) + DEPTH_REACH * half_width)
+    bottom = max(float((receivers.center[:, 2] - receivers.radius).min()), float(low[2]) - DEPTH_REACH * half_width)
+    top = max(top, bottom)
+    return Cascade(
+        float(x), float(y), half_width, (math.floor(bottom / rung) - 1) * rung, (math.ceil(top / rung) + 1) * rung,
+        texel,
+    )  # fmt: skip
+
+
+def _rounded_up(value: float) -> float:
+    """The next size on the ladder of STEPS_PER_OCTAVE sizes an octave."""
+    octave = math.log2(value) * STEPS_PER_OCTAVE
+    return float(2.0 ** (math.ceil(octave - 1e-9) / STEPS_PER_OCTAVE))
+
+
+def casts_into(cascade: Cascade, casters: Spheres) -> NDArray[np.bool_]:
+    """bool[n]: which casters may darken something in the cascade: above its bottom, over its square, however far away
+    towards the sun, also behind the camera."""
+    off = np.abs(casters.center[:, :2] - (cascade.x, cascade.y)) - casters.radius[:, None]
+    result: NDArray[np.bool_] = (off <= cascade.half_width).all(axis=1)
+    result &= casters.center[:, 2] + casters.radius >= cascade.bottom
+    return result

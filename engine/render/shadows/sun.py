@@ -1,0 +1,132 @@
+"""SunShadows: the cascades of a frame's first sun, who casts into each, and when a map has to be drawn again."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.render.light_rows import LightRows
+from engine.render.shadows.fit import Cascade, Spheres, casts_into, fit_cascades
+from engine.render.shadows.light_space import light_from_world
+from engine.render.view import View
+from engine.render.view_block import MAX_CASCADES
+from engine.scene.scene import Scene
+
+F8 = NDArray[np.float64]
+
+#: of the shadow distance: where shadows begin to fade out
+FADE = 0.9
+#: half width, in metres, of the square that stands for "everywhere" where every branch must run though nothing casts
+EVERYWHERE = 1e30
+
+
+@dataclass(slots=True)
+class SunShadows:
+    """`cascades` from small to large; `casters` bool[cascades, instances]; `keys`: equal keys are equal maps."""
+
+    axes: F8 = field(default_factory=lambda: np.eye(3))
+    cascades: list[Cascade] = field(default_factory=list)
+    casters: NDArray[np.bool_] = field(default_factory=lambda: np.zeros((0, 0), np.bool_))
+    keys: list[tuple[object, ...]] = field(default_factory=list)
+    _seen: tuple[object, ...] = ()
+
+    def update(
+        self, scene: Scene, view: View, direction: NDArray[np.floating] | None, visible: NDArray[np.bool_],
+        casting: NDArray[np.bool_], receiving: NDArray[np.bool_], state: tuple[object, ...],
+    ) -> bool:  # fmt: skip
+        """Fit the cascades; True when they or their casters are not those of the last call.
+
+        `direction`: where the sun shines, None for no shadows. bool[instances]: `visible` in the view, `casting`,
+        `receiving`. `state`: whatever else changes what casters look like (materials, programs, structure).
+        """
+        settings, camera = view.settings, view.camera
+        wanted = (
+            settings.shadow_cascades, settings.shadow_size, settings.shadow_split, settings.shadow_distance,
+        )  # fmt: skip
+        seen = (
+            id(scene), scene.transform_rev, scene.instances.bounds_rev, scene.instances.drawn_rev, camera.key(),
+            view.aspect, None if direction is None else direction.tobytes(), wanted, state,
+        )  # fmt: skip
+        if seen == self._seen:
+            return False
+        self._seen = seen
+        if direction is None:
+            self.cascades, self.keys = [], []
+            self.casters = np.zeros((0, len(visible)), np.bool_)
+            return True
+        self.axes = light_from_world(direction)
+        casters = self._spheres(scene, camera.position, -camera.world_from_camera[:3, 2], casting)
+        receivers = self._spheres(scene, camera.position, -camera.world_from_camera[:3, 2], receiving & visible)
+        self.cascades = fit_cascades(
+            camera, view.aspect, self.axes, receivers, casters, count=settings.shadow_cascades,
+            size=settings.shadow_size, weight=settings.shadow_split, distance=settings.shadow_distance,
+        )  # fmt: skip
+        rows = np.flatnonzero(casting & _finite(scene))
+        self.casters = np.zeros((len(self.cascades), len(visible)), np.bool_)
+        moved = _last_moved(scene, rows)
+        self.keys = []
+        for mask, cascade in zip(self.casters, self.cascades, strict=True):
+            inside = casts_into(cascade, casters)
+            mask[rows] = inside
+            rev = int(moved[inside].max(initial=0))
+            self.keys.append((id(scene), cascade, direction.tobytes(), np.packbits(mask).tobytes(), rev, state))
+        return True
+
+    def _spheres(self, scene: Scene, eye: F8, forward: F8, wanted: NDArray[np.bool_]) -> Spheres:
+        table = scene.instances
+        rows = np.flatnonzero(wanted & _finite(scene))
+        center = table.world_center[rows]
+        return Spheres(center @ self.axes.T, table.world_radius[rows].astype(np.float64), (center - eye) @ forward)
+
+    # --- for the GPU ---
+
+    def clip_from_origin(self, index: int, origin: F8) -> F8:
+        """f8[4,4] from the origin-relative world to the clip space of a map (reversed depth)."""
+        cascade = self.cascades[index]
+        scale = np.array([1.0 / cascade.half_width, 1.0 / cascade.half_width, 1.0 / (cascade.top - cascade.bottom)])
+        offset = self.axes @ origin - (cascade.x, cascade.y, cascade.bottom)
+        matrix = np.eye(4)
+        matrix[:3, :3] = self.axes * scale[:, None]
+        matrix[:3, 3] = offset * scale
+        return matrix
+
+    def fill(self, row: NDArray[np.void], view: View, origin: F8, *, everywhere: bool) -> None:
+        """Write the shadow fields of a row of VIEW_LAYOUT. `everywhere`: without cascades, one that is lit all over."""
+        settings = view.settings
+        row["shadow_axes"][:, :3] = self.axes
+        at = self.axes @ origin
+        cascades = self.cascades or ([Cascade(*at[:2], EVERYWHERE, *_ends(at[2]), 0.0)] if everywhere else [])
+        for i, c in enumerate(cascades[:MAX_CASCADES]):
+            row["shadow_cascades"][2 * i] = (c.x - at[0], c.y - at[1], 1.0 / c.half_width, c.texel)
+            row["shadow_cascades"][2 * i + 1] = (c.bottom - at[2], 1.0 / (c.top - c.bottom), c.half_width, 0.0)
+        far = settings.shadow_distance if settings.shadow_distance > 0.0 else EVERYWHERE
+        row["shadow"] = (
+            len(cascades), settings.shadow_softness, np.tan(np.radians(settings.sun_angle / 2)),
+            1.0 / settings.shadow_size,
+        )  # fmt: skip
+        row["shadow_fade"] = (far * FADE, 1.0 / (far * (1.0 - FADE)), 0.0, 0.0)
+
+
+def _ends(z: float) -> tuple[float, float]:
+    return z - EVERYWHERE, z + EVERYWHERE
+
+
+def _finite(scene: Scene) -> NDArray[np.bool_]:
+    table = scene.instances
+    result: NDArray[np.bool_] = np.isfinite(table.world_center).all(axis=1) & np.isfinite(table.world_radius)
+    return result
+
+
+def _last_moved(scene: Scene, rows: NDArray[np.intp]) -> NDArray[np.uint32]:
+    """u4[k]: the transform_rev at which what instances `rows` look like changed last: their nodes, or their joints."""
+    nodes, skins = scene.nodes, scene.skins
+    node = np.maximum(scene.instances.node[rows], 0)
+    moved = nodes.world_rev[node].copy()
+    if len(skins):
+        skin = skins.of_nodes(node)
+        of_skin = np.maximum.reduceat(nodes.world_rev[skins.joint], skins.first)
+        posed = skin >= 0
+        moved[posed] = of_skin[skin[posed]]
+    return moved

@@ -1,0 +1,199 @@
+"""HotReload: edited effects, shaders and material files come to the screen; what is wrong keeps the last good picture.
+
+    files change (mtime and size, looked at four times a second) ──► compile aside
+        all good ──► new pipelines, material tables migrated, structure_rev raised ──► next frame is the new picture
+        any bad  ──► nothing changes; `problems` says what, where (file:line:column) and what to do
+
+An effect is only taken over when every variant that is drawn, and every one that its materials will ask for then, does
+compile. So is a material whose features changed. Values set in the editor outlive it all.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Protocol
+
+from engine.core.errors import InputError, LucarnaError, ShaderError
+from engine.gpu.types import Device
+from engine.materials.effect import Effect
+from engine.materials.fit import fitted
+from engine.materials.variant import VariantRequest
+from engine.resources.material_store import MaterialRecord
+from engine.resources.residency import Residency
+
+#: seconds between two looks at the files
+INTERVAL = 0.25
+
+
+class PassPrograms(Protocol):
+    """What is asked of engine.render.programs.Programs."""
+
+    pass_errors: dict[str, ShaderError]
+
+    def forget(self) -> None: ...
+    def changed(self) -> bool: ...
+    def invalidate(self) -> None: ...
+    def poll(self) -> list[str]: ...
+    def has_own(self, fragment: str) -> bool: ...
+
+
+class Draws(Protocol):
+    """What is asked of engine.render.renderer.Renderer."""
+
+    @property
+    def programs(self) -> PassPrograms: ...
+    @property
+    def frames(self) -> int: ...
+    def requests(self, records: Mapping[int, MaterialRecord]) -> list[VariantRequest]: ...
+
+
+@dataclass(frozen=True, slots=True)
+class Reloaded:
+    """What a look at changed files led to: what is new on screen, and what stands in the way now."""
+
+    effects: tuple[str, ...] = ()
+    materials: tuple[Path, ...] = ()
+    passes: tuple[str, ...] = ()
+    problems: tuple[LucarnaError, ...] = ()
+    ms: float = 0.0
+
+    @property
+    def names(self) -> list[str]:
+        return [*self.effects, *self.passes, *(path.name for path in self.materials)]
+
+
+class HotReload:
+    """Call `poll` every frame: it does nothing most times. `problems`: what is wrong now, each with its place."""
+
+    def __init__(self, residency: Residency, renderer: Draws, *, interval: float = INTERVAL) -> None:
+        self.residency = residency
+        self.renderer = renderer
+        self.interval = interval
+        self._looked = -1e9
+        self._materials = residency.watched_materials
+        self._unfit: dict[str, list[InputError]] = {}
+        self._forgot_at = -1
+
+    @property
+    def problems(self) -> tuple[LucarnaError, ...]:
+        """All that stands, each once: effects, passes, material files."""
+        return tuple(error for _, error in self.standing())
+
+    def standing(self) -> list[tuple[str, LucarnaError]]:
+        """(what is shown meanwhile, what is wrong), each error once. previous: the last good version; built-in:
+        Lucarna's own instead of the project's; magenta; ignored: all but that."""
+        found: dict[str, tuple[str, LucarnaError]] = {}
+        for state, error in self._problems():
+            found.setdefault(str(error), (state, error))
+        return list(found.values())
+
+    def stale(self) -> bool:
+        """Whether a file changed since the last `apply`. Any thread may ask."""
+        effects, programs = self.residency.effects, self.renderer.programs
+        return bool(effects.changed() or self._materials.changed() or programs.changed())
+
+    def changed(self, now: float | None = None) -> bool:
+        """Whether there is something for `apply` to do; looks at the files at most once per interval."""
+        now = time.monotonic() if now is None else now
+        if now - self._looked < self.interval:
+            return False
+        self._looked = now
+        return self.stale()
+
+    def poll(self, now: float | None = None, *, force: bool = False) -> Reloaded | None:
+        """Look, and take over what is good; None when no file changed. `force` takes all files for changed."""
+        if not force and not self.changed(now):
+            return None
+        if force:
+            self.invalidate()
+        return self.apply()
+
+    def invalidate(self) -> None:
+        """Take all files for changed."""
+        for watched in (self.residency.effects, self.renderer.programs, self._materials):
+            watched.invalidate()
+
+    def apply(self) -> Reloaded:
+        """Take over what is good of the files as they are now. Between the device's begin_frame and end_frame."""
+        begun = time.perf_counter()
+        effects = self.residency.effects
+        if 0 <= self._forgot_at < self.renderer.frames:
+            effects.retire()
+            self._forgot_at = -1
+        changed_effects = bool(effects.changed())
+        names = effects.poll(self._further)
+        for name in names:
+            self._unfit[name] = self.residency.adopt_effect(name)
+        passes = self.renderer.programs.poll()
+        materials = self._reread(self._materials.take(), retry=changed_effects)
+        if names or passes or materials:
+            self.residency.materials.structure_rev += 1
+            self.renderer.programs.forget()
+            effects.expect()
+            self._forgot_at = self.renderer.frames
+        ms = 1e3 * (time.perf_counter() - begun)
+        return Reloaded(tuple(names), tuple(materials), tuple(passes), self.problems, ms)
+
+    # --- inside ---
+
+    def _further(self, effect: Effect) -> Iterator[tuple[Device, VariantRequest]]:
+        """The variants that a reloaded effect's materials will ask for."""
+        records = {
+            material: replace(record, effect=effect, asset=fitted(effect, record.said)[0])
+            for material, record in enumerate(self.residency.materials.records)
+            if record.effect.name == effect.name
+        }
+        for request in self.renderer.requests(records):
+            yield self.residency.device, request
+
+    def _reread(self, changed: set[Path], *, retry: bool) -> list[Path]:
+        """The material files taken over, of those that changed and (with `retry`) those that were wrong."""
+        residency = self.residency
+        files = [path for path in residency.material_files if path in changed]
+        if retry or changed:
+            files += [path for path in residency.material_errors if path not in changed]
+        taken = []
+        for path in files:
+            try:
+                new = residency.read_again(path)
+                record = replace(residency.material(new.material), effect=new.effect, asset=new.asset)
+                record.asset = fitted(new.effect, new.asset)[0]
+                error = residency.effects.prepare(residency.device, self.renderer.requests({new.material: record}))
+                if error is not None:
+                    raise error
+            except InputError as error:
+                residency.material_errors[path] = error
+                continue
+            residency.take(new)
+            residency.material_errors.pop(path, None)
+            taken.append(path)
+        for name, unfit in self._unfit.items():
+            self._unfit[name] = [error for error in unfit if Path(error.where.file) not in taken]
+        return taken
+
+    def _problems(self) -> Iterable[tuple[str, LucarnaError]]:
+        residency = self.residency
+        used = {record.effect.name for record in residency.materials.records}
+        failed = dict(residency.effects.errors)
+        for name, error in failed.items():
+            if name in used or any(str(error) == str(other) for other in residency.material_errors.values()):
+                yield self._state_of(name), error
+        for variant in residency.effects.variants():
+            if variant.error is not None and variant.request.effect not in failed:
+                yield self._state_of(variant.request.effect), variant.error
+        programs = self.renderer.programs
+        for fragment, error in programs.pass_errors.items():
+            yield "previous" if programs.has_own(fragment) else "built-in", error
+        for path, error in residency.material_errors.items():
+            yield "magenta" if residency.unread(residency.material_files[path]) else "previous", error
+        for unfit in self._unfit.values():
+            for error in unfit:
+                yield "ignored", error
+
+    def _state_of(self, effect: str) -> str:
+        """previous, unless a variant of the effect never was good."""
+        variants = [v for v in self.residency.effects.variants() if v.request.effect == effect]
+        return "magenta" if not variants or any(v.pipeline is None for v in variants) else "previous"

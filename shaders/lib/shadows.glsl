@@ -1,0 +1,181 @@
+// Shadows of the first sun: cascaded maps of depth (1 towards the sun), looked up in light space.
+// The maps and their fields of the view block come from engine/render/shadows; the bias is explained in bias.py there.
+#include "lib/math.glsl"
+
+layout(binding = 11) uniform sampler2DArrayShadow t_sun_shadow;
+#if SHADOW_FILTER == 4
+layout(binding = 12) uniform sampler2DArray t_sun_depth;
+#endif
+
+const float SHADOW_FOOTPRINT = 1.5;       // texels that one lookup reaches, engine/render/shadows/bias.py
+const float SHADOW_CONSTANT = 0.2;        // texels
+const float SHADOW_MAX_SLOPE = 4.0;
+const float SHADOW_MARGIN = 6.0;          // texels at the edge that only filters look into, fit.py
+const float SHADOW_BLEND = 0.1;           // of a cascade's half width
+const float SHADOW_MAX_PENUMBRA = 12.0;   // texels, pcss
+
+// O'Neill 2014, "PCG", the 32-bit output hash: a direction per pixel that no driver computes differently.
+float shadow_turn(uvec2 pixel)
+{
+    uint state = (pixel.x + pixel.y * 65537u) * 747796405u + 2891336453u;
+    uint word = ((state >> ((state >> 28u) + 4u)) ^ state) * 277803737u;
+    return float((word >> 22u) ^ word) * (2.0 * PI / 4294967296.0);
+}
+
+// What a point looks like to one cascade: where it looks, and the receiver's plane.
+struct ShadowReceiver {
+    vec3 at;      // light space, lifted off the surface, m
+    vec2 slope;   // depth per distance of the receiver's plane
+    float layer;
+    vec4 square;  // view.shadow_cascades[2 * i]
+    vec4 depth;   // view.shadow_cascades[2 * i + 1]
+};
+
+// p: light space; n: normal as shaded, f: normal of the triangle, both unit, in light space; radius: texels.
+ShadowReceiver receiver(int i, vec3 p, vec3 n, vec3 f, float radius)
+{
+    ShadowReceiver r;
+    r.layer = float(i);
+    r.square = view.shadow_cascades[2 * i];
+    r.depth = view.shadow_cascades[2 * i + 1];
+    float texel = r.square.w;
+    float sine = length(f.xy);
+    float steep = sine / max(abs(f.z), 1e-4);
+    float followed = min(1.0, SHADOW_MAX_SLOPE / max(steep, 1e-4));
+    r.slope = -f.xy / (f.z < 0.0 ? min(f.z, -1e-4) : max(f.z, 1e-4)) * followed;
+    float lift = max(sine, length(n.xy)) * (SHADOW_FOOTPRINT + radius * (1.0 - followed));
+    r.at = p + n * (lift * texel) + vec3(0.0, 0.0, SHADOW_CONSTANT * texel);
+    return r;
+}
+
+vec3 shadow_uv(ShadowReceiver r, vec2 offset)
+{
+    vec2 ndc = (r.at.xy + offset - r.square.xy) * r.square.z;
+    return vec3(0.5 + 0.5 * ndc.x, 0.5 - 0.5 * ndc.y, r.layer);
+}
+
+float shadow_depth(ShadowReceiver r, vec2 offset)
+{
+    return (r.at.z + dot(r.slope, offset) - r.depth.x) * r.depth.y;
+}
+
+// 1 where the sun reaches the point beside the receiver at `offset` (m in light space), hardware-filtered.
+float shadow_tap(ShadowReceiver r, vec2 offset)
+{
+    return texture(t_sun_shadow, vec4(shadow_uv(r, offset), shadow_depth(r, offset)));
+}
+
+// Vogel 1979, "A better way to construct the sunflower head": points of a disc, the golden angle apart.
+const mat2 GOLDEN_TURN = mat2(-0.7373688780783, 0.6754902942615, -0.6754902942615, -0.7373688780783);
+
+// Mean of `taps` lookups in a disc of `radius` texels; `turn` in radians.
+float shadow_disc(ShadowReceiver r, int taps, float radius, float turn)
+{
+    vec2 direction = vec2(cos(turn), sin(turn));
+    float scale = radius * r.square.w;
+    float inverse = 1.0 / float(taps);
+    float lit = 0.0;
+    for (int k = 0; k < taps; ++k) {
+        lit += shadow_tap(r, direction * (scale * sqrt((float(k) + 0.5) * inverse)));
+        direction = GOLDEN_TURN * direction;
+    }
+    return lit * inverse;
+}
+
+#if SHADOW_FILTER == 4
+// Fernando 2005, "Percentage-closer soft shadows", for a sun: the penumbra is as wide as the sun's disc seen over the
+// distance to what casts. Radius in texels; negative where nothing casts.
+float shadow_penumbra(ShadowReceiver r, float turn)
+{
+    const int taps = 12;
+    float tangent = view.shadow.z;
+    float widest = clamp(tangent * (1.0 / r.depth.y) / r.square.w, view.shadow.y, SHADOW_MAX_PENUMBRA);
+    vec2 direction = vec2(cos(turn), sin(turn));
+    float distance_sum = 0.0;
+    float casters = 0.0;
+    for (int k = 0; k < taps; ++k) {
+        vec2 offset = direction * (r.square.w * widest * sqrt((float(k) + 0.5) / float(taps)));
+        float above = textureLod(t_sun_depth, shadow_uv(r, offset), 0.0).r - shadow_depth(r, offset);
+        if (above > 0.0) {
+            distance_sum += above;
+            casters += 1.0;
+        }
+        direction = GOLDEN_TURN * direction;
+    }
+    if (casters < 0.5) return -1.0;
+    float above = distance_sum / (casters * r.depth.y);  // m
+    return clamp(tangent * above / r.square.w, min(view.shadow.y, 1.0), SHADOW_MAX_PENUMBRA);
+}
+#endif
+
+float cascade_visibility(int i, vec3 p, vec3 n, vec3 f, float turn)
+{
+#if SHADOW_FILTER == 0 || SHADOW_FILTER == 1
+    return shadow_tap(receiver(i, p, n, f, 0.0), vec2(0.0));
+#elif SHADOW_FILTER == 4
+    ShadowReceiver r = receiver(i, p, n, f, SHADOW_MAX_PENUMBRA);
+    float radius = shadow_penumbra(r, turn);
+    if (radius < 0.0) return 1.0;
+    return shadow_disc(r, 16, radius, turn);
+#else
+    return shadow_disc(receiver(i, p, n, f, view.shadow.y), SHADOW_FILTER == 2 ? 8 : 16, view.shadow.y, turn);
+#endif
+}
+
+// The first cascade that holds light-space point p, or -1; `edge`: 0 inside to 1 at its border.
+int cascade_of(vec3 p, int first, out float edge)
+{
+    int count = int(view.shadow.x);
+    for (int i = first; i < count; ++i) {
+        vec4 square = view.shadow_cascades[2 * i];
+        vec4 depth = view.shadow_cascades[2 * i + 1];
+        vec2 q = abs(p.xy - square.xy) * square.z;
+        float m = max(q.x, q.y);
+        float limit = 1.0 - SHADOW_MARGIN * 2.0 * view.shadow.w;
+        if (m < limit && p.z >= depth.x) {
+            edge = i + 1 < count ? sat((m - limit + SHADOW_BLEND) / SHADOW_BLEND) : 0.0;
+            return i;
+        }
+    }
+    edge = 0.0;
+    return -1;
+}
+
+vec3 light_space(vec3 v)
+{
+    return vec3(dot(view.shadow_axes[0].xyz, v), dot(view.shadow_axes[1].xyz, v), dot(view.shadow_axes[2].xyz, v));
+}
+
+// How much of the first sun reaches point p (relative to the origin): 1 all, 0 none.
+// n: unit normal as interpolated; f: of the triangle, any length; pixel: seed of the filter's rotation.
+float sun_visibility(vec3 p, vec3 n, vec3 f, uvec2 pixel)
+{
+    float edge;
+    vec3 at = light_space(p);
+    int i = cascade_of(at, 0, edge);
+    if (i < 0) return 1.0;
+    vec3 n_light = light_space(n);
+    vec3 f_light = light_space(f);
+    float f2 = dot(f_light, f_light);
+    f_light = f2 > 1e-30 ? f_light * inversesqrt(f2) : n_light;  // also where it is not a number
+    float turn = shadow_turn(pixel);
+    float lit = cascade_visibility(i, at, n_light, f_light, turn);
+    if (edge > 0.0) {
+        float ignored;
+        int next = cascade_of(at, i + 1, ignored);
+        if (next >= 0) lit += (cascade_visibility(next, at, n_light, f_light, turn) - lit) * edge;
+    }
+    float depth = -dot(vec4(view.view_from_origin[0].z, view.view_from_origin[1].z, view.view_from_origin[2].z,
+                            view.view_from_origin[3].z), vec4(p, 1.0));
+    return lit + (1.0 - lit) * sat((depth - view.shadow_fade.x) * view.shadow_fade.y);
+}
+
+// Which cascade a point reads, as a colour; grey where none.
+vec3 cascade_tint(vec3 p)
+{
+    float edge;
+    int i = cascade_of(light_space(p), 0, edge);
+    if (i < 0) return vec3(0.5);
+    vec3 tints[4] = vec3[4](vec3(1.0, 0.35, 0.3), vec3(0.4, 0.9, 0.35), vec3(0.35, 0.5, 1.0), vec3(1.0, 0.85, 0.3));
+    return mix(tints[i & 3], tints[(i + 1) & 3], edge);
+}

@@ -1,0 +1,95 @@
+"""Shaders edited, broken in five ways and mended in a real window: the picture is never lost, the place is right."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from engine.report.image import load_png
+from engine.report.metrics import is_blank
+
+pytestmark = pytest.mark.window
+SCRIPT = Path(__file__).parent / "ui" / "shader_ui.py"
+
+#: mistake -> (place named, words of the message)
+EXPECTED = {
+    "syntax": (r"surface.frag:", "syntax error"),
+    "type": (r"surface.frag:", "type"),
+    "missing include": ("surface.frag:4:10", "did you mean 'lib/view.glsl'?"),
+    "include cycle": ("brdf.glsl:3:10", "closes a cycle"),
+    "unknown key": ("surface.effect.toml:3:1", "did you mean 'doc'?"),
+}
+
+
+@pytest.fixture(scope="module")
+def seen(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+    folder = tmp_path_factory.mktemp("shaders")
+    command = [sys.executable, str(SCRIPT), str(folder)]
+    if sys.platform == "linux" and not os.environ.get("DISPLAY"):
+        xvfb = shutil.which("xvfb-run")
+        if xvfb is None:
+            pytest.skip("no display, and no xvfb-run to make one")
+        command = [xvfb, "-a", "-s", "-screen 0 1600x1000x24", *command]
+    settings = {"LUCARNA_CACHE": str(folder / "cache"), "LUCARNA_CONFIG": str(folder / "config")}
+    done = subprocess.run(
+        command, capture_output=True, text=True, timeout=300, check=False, env={**os.environ, **settings}
+    )  # fmt: skip
+    lines = [line for line in done.stdout.splitlines() if line.startswith("{")]
+    assert lines, f"the window did not finish (exit {done.returncode}):\n{done.stdout[-2000:]}\n{done.stderr[-4000:]}"
+    results: dict[str, Any] = json.loads(lines[-1])
+    assert not results["error"], results["error"]
+    return {**results, "folder": folder}
+
+
+def test_the_effect_of_the_selected_material_opens(seen: dict[str, Any]) -> None:
+    assert seen["opened"] == ["surface.effect.toml", "surface.frag"]
+
+
+def test_saved_text_is_new_pixels_and_unsaved_text_is_not(seen: dict[str, Any]) -> None:
+    assert seen["unsaved_changes_nothing"]
+    assert seen["edited"] > 0.1
+    assert seen["restored"], "the old text gives the old picture, bit for bit"
+
+
+@pytest.mark.parametrize("mistake", list(EXPECTED))
+def test_a_mistake_keeps_the_last_good_picture_and_names_its_line(seen: dict[str, Any], mistake: str) -> None:
+    said = seen["mistakes"][mistake]
+    place, words = EXPECTED[mistake]
+    assert said["same_picture"], "not the last good picture"
+    assert said["place"].startswith(place), said
+    assert words in said["message"]
+    assert said["badge"].startswith("running previous version: ")
+    assert said["opened"] == said["place"].split(":")[0], "next error opens the file"
+    assert said["mended"], "the badge goes when it is mended"
+    assert said["same_after"]
+
+
+def test_the_line_named_is_that_of_the_mistake(seen: dict[str, Any]) -> None:
+    text = (Path(__file__).resolve().parents[2] / "shaders/effects/surface.frag").read_text(encoding="utf-8")
+    lines = text.splitlines()
+    for mistake, words in (("syntax", "vec4(sanitise(color), 1.0)"), ("type", "vec3 color = shade(")):
+        line = next(i for i, code in enumerate(lines, 1) if words in code)
+        assert seen["mistakes"][mistake]["place"].split(":")[1] == str(line)
+
+
+def test_changes_on_both_sides_overwrite_nothing(seen: dict[str, Any]) -> None:
+    assert seen["conflict"]
+    assert seen["theirs_kept"], "saving in a conflict wrote the file"
+    assert seen["took"] == [True, False, False]
+
+
+def test_undoing_everything_gives_the_first_picture(seen: dict[str, Any]) -> None:
+    assert seen["undone"]
+
+
+def test_the_window_shows_the_shader_editor(seen: dict[str, Any]) -> None:
+    picture = load_png(seen["folder"] / "window.png")
+    height, width = picture.shape[:2]
+    assert not is_blank(picture[height // 6 : height // 2, width // 2 : int(width * 0.74)])

@@ -1,0 +1,93 @@
+"""Damaged FBX files: each is imported in part or refused in words; none costs more than its own worker."""
+
+from __future__ import annotations
+
+import random
+import re
+from pathlib import Path
+
+import pytest
+
+from engine.assets.lanim import check_channel
+from engine.assets.lmesh import check_mesh
+from engine.core.errors import FormatError, LucarnaError, Place
+from importers.fbx.reader import load
+from importers.settings import ImportSettings
+from tests.support.fbx_builder import QUAD, FbxBuilder
+
+SETTINGS = ImportSettings(max_worker_seconds=20.0, max_worker_bytes=2 << 30)
+NUMBERS = ("-1", "4294967295", "1e400", "nan", "99999999999999999999", "0", "-2147483648", "*9999999")
+
+
+def rich_scene() -> str:
+    """A bit of everything that the reader reads."""
+    fbx = FbxBuilder(unit=2.54, up="z", application="Maya")
+    root = fbx.node("root", kind="Null", Lcl_Rotation=(10.0, 20.0, 30.0))
+    node = fbx.node("plate", root, GeometricTranslation=(1.0, 2.0, 3.0))
+    corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (0.0, 0.0), (1.0, 0.0), (1.0, 1.0)]
+    geometry = fbx.mesh(node, [*QUAD, (50.0, 300.0, 0.0)], ((0, 1, 2, 3), (3, 2, 4)), corners)
+    fbx.texture(fbx.material(node, DiffuseColor=(1.0, 0.5, 0.0)), "x.png")
+    bone = fbx.node("bone", kind="LimbNode")
+    bind = [1.0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]
+    fbx.skin(geometry, [(bone, [0, 1, 2], [1.0, 0.5, 0.25], bind), (root, [2, 3], [0.75, 1.0], bind)])
+    channel = fbx.shape(geometry, "up", [4], [(0.0, 0.0, 10.0)])
+    layer = fbx.stack("go", 0.0, 1.0)
+    fbx.curve(layer, bone, "Lcl Rotation", "d|Y", [(0.0, 0.0), (1.0, 90.0)])
+    fbx.curve(layer, node, "Lcl Translation", "d|X", [(0.0, 0.0), (1.0, 9.0)])
+    fbx.curve(layer, channel, "DeformPercent", "d|DeformPercent", [(0.0, 0.0), (1.0, 100.0)])
+    return fbx.text()
+
+
+def mutant(text: str, seed: int) -> str:
+    rng = random.Random(seed)
+    kind = rng.randrange(6)
+    if kind == 0:
+        return text[: rng.randrange(200, len(text))]
+    if kind == 1:
+        lines = text.split("\n")
+        del lines[rng.randrange(len(lines))]
+        return "\n".join(lines)
+    if kind == 2:
+        links = [line for line in text.split("\n") if line.startswith("C: ")]
+        one, other = rng.choice(links), rng.choice(links)
+        return text.replace(one, ",".join([*one.split(",")[:2], *other.split(",")[2:]]), 1)
+    spots = [match.span() for match in re.finditer(r"-?\d+\.?\d*", text)]
+    for first, last in sorted(rng.sample(spots, 1 + kind // 4), reverse=True):
+        text = text[:first] + rng.choice(NUMBERS) + text[last:]
+    return text
+
+
+def test_the_whole_file_is_sound(tmp_path: Path) -> None:
+    path = tmp_path / "a.fbx"
+    path.write_text(rich_scene(), encoding="utf-8")
+    model = load(path, SETTINGS)
+    assert (len(model.meshes), len(model.clips), len(model.materials)) == (1, 1, 1)
+    assert model.meshes[0].skeleton is not None
+    assert [c.path for c in model.clips[0].channels] == ["translation", "rotation", "weights"]
+
+
+@pytest.mark.parametrize("seed", range(24))
+def test_mutants(tmp_path: Path, seed: int) -> None:
+    path = tmp_path / "a.fbx"
+    path.write_text(mutant(rich_scene(), seed), encoding="utf-8")
+    try:
+        model = load(path, SETTINGS)
+    except LucarnaError as error:
+        assert "a.fbx" in str(error)
+        assert "makes no sense" not in str(error)
+        assert "crashed" not in str(error)
+        return
+    for mesh in model.meshes:
+        check_mesh(mesh, Place("mesh"))
+    for clip in model.clips:
+        for channel in clip.channels:
+            check_channel(channel, Place("channel"))
+
+
+def test_a_worker_without_memory_is_a_clear_error(tmp_path: Path) -> None:
+    path = tmp_path / "a.fbx"
+    path.write_text(rich_scene().replace("Vertices: *15 {", "Vertices: *400000000 {"), encoding="utf-8")
+    try:
+        load(path, ImportSettings(max_worker_bytes=1 << 30))
+    except FormatError as error:
+        assert "a.fbx" in str(error)
