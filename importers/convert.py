@@ -194,7 +194,7 @@ def sources_in(path: Path) -> list[Path]:
 
         raise InputError("there is no such file or folder", where=path, hint=similar_name_hint(path))
     known = source_extensions()
-    found = sorted(p for p in path.rglob("*") if p.suffix.lower() in known and p.is_file())
+    found = sorted(p for p in path.rglob("*") if p.name.lower().endswith(known) and p.is_file())
     if not found:
         raise InputError("the folder holds no file that can be imported", where=path, hint=f"known: {', '.join(known)}")
     return found

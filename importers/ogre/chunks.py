@@ -52,7 +52,7 @@ class Chunks:
         self.position = 2
         end = self.data.find(b"\n", 2, 2 + 64)
         if end < 0:
-            raise self.error(f"the version line of the {what} does not end", "the file is cut or damaged")
+            raise self.error(f"the version line of {what} does not end", "the file is cut or damaged")
         line = self.data[2:end].decode("ascii", "replace").strip()
         self.position = end + 1
         return line.strip("[]")

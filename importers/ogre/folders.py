@@ -64,15 +64,17 @@ def look_around(folder: Path, stem: str) -> Surroundings:
         above = above.parent
         starts += [above / name for name in NEAR]
     for start in starts:
-        left = _walk(start, result, seen, left)
+        left = _walk(start, above, result, seen, left)
     own = f"{stem.lower()}.material"
     result.scripts.sort(key=lambda path: path.name.lower() != own)  # stable: nearest first but for this
     result.complete = left > 0
     return result
 
 
-def _walk(start: Path, result: Surroundings, seen: set[str], left: int) -> int:
-    """Take in the files below `start`, breadth first, by name; returns how many entries may still be looked at."""
+def _walk(start: Path, root: Path, result: Surroundings, seen: set[str], left: int) -> int:
+    """Take in the files below `start`, breadth first, by name; returns how many entries may still be looked at.
+
+    Links to folders are not followed, links to files only within `root`."""
     queue: list[tuple[Path, int]] = [(start, 0)]
     while queue and left > 0:
         folder, depth = queue.pop(0)
@@ -94,7 +96,7 @@ def _walk(start: Path, result: Surroundings, seen: set[str], left: int) -> int:
                     if depth < MAX_DEPTH:
                         queue.append((folder / entry.name, depth + 1))
                     continue
-                if not entry.is_file():
+                if not entry.is_file() or (entry.is_symlink() and not _is_within(folder / entry.name, root)):
                     continue
             except OSError:
                 continue
@@ -104,3 +106,10 @@ def _walk(start: Path, result: Surroundings, seen: set[str], left: int) -> int:
             if name.endswith((*IMAGE_EXTENSIONS, ".material", ".skeleton", ".skeleton.xml")):
                 result.files.setdefault(name, []).append(folder / entry.name)
     return left
+
+
+def _is_within(link: Path, root: Path) -> bool:
+    try:
+        return link.resolve().is_relative_to(root.resolve())
+    except (OSError, RuntimeError):
+        return False

@@ -40,7 +40,8 @@ SKIPPED = {
     0xB000: "edge lists", 0xB100: "edge lists", 0xB110: "edge lists", 0xE000: "extreme points",
 }  # fmt: skip
 _ASSIGNMENT_BODY = [("vertex", "u4"), ("bone", "u2"), ("weight", "f4")]
-VERSIONS = ("1.10", "1.20", "1.30", "1.40", "1.41", "1.8", "1.100")
+#: as the header says it -> the serialiser's number ("1.100" is ten, after 1.8)
+VERSIONS = {"1.10": 1, "1.20": 2, "1.30": 3, "1.40": 4, "1.41": 4, "1.8": 8, "1.100": 10}
 
 
 def read_mesh(data: bytes, file: str, findings: Findings) -> OgreMesh:
@@ -52,7 +53,7 @@ class _MeshReader:
     def __init__(self, chunks: Chunks, findings: Findings) -> None:
         self._in = chunks
         self._findings = findings
-        self._version: tuple[int, int] = (1, 8)
+        self._version = 10
         self._mesh = OgreMesh("")
 
     def read(self) -> OgreMesh:
@@ -63,9 +64,7 @@ class _MeshReader:
             raise c.error(
                 f"the version {line[:60]!r} is not known", f"known are MeshSerializer_v{', v'.join(VERSIONS)}", 2
             )
-        self._version = (1, 10) if number == "1.100" else (1, int(number[2:]) // (10 if len(number) == 4 else 1))
-        if number == "1.10":
-            self._version = (1, 1)
+        self._version = VERSIONS[number]
         self._mesh.version = number
         while (found := c.next_id()) >= 0:
             if found == MESH:
@@ -166,7 +165,7 @@ class _MeshReader:
         c = self._in
         c.expect(GEOMETRY, f"the geometry of {where}")
         count = c.u32(f"the vertex count of {where}")
-        if self._version < (1, 3):
+        if self._version < 3:
             return self._old_geometry(count, where)
         elements: list[Element] = []
         columns: dict[tuple[int, int], tuple[Element, Floats]] = {}
@@ -228,7 +227,7 @@ class _MeshReader:
                 if number < 2 and width >= 1:
                     uv = np.zeros((count, 2), np.float32)
                     uv[:, : min(width, 2)] = values[:, :2]
-                    if self._version == (1, 1) and width == 2:
+                    if self._version == 1 and width == 2:
                         # version 1.10 put the origin at the bottom left
                         uv[:, 1] = 1 - uv[:, 1]
                     geometry.uv[number] = uv
@@ -251,7 +250,7 @@ class _MeshReader:
             c.enter("a pose")
             where = f"poses[{len(self._mesh.poses)}]"
             name, target = c.text(f"{where}'s name"), c.u16(f"{where}'s target")
-            normals = self._version >= (1, 8) and c.flag(where)
+            normals = self._version >= 8 and c.flag(where)
             body: list[Any] = [("vertex", "u4"), ("offset", "f4", 3), *([("normal", "f4", 3)] if normals else [])]
             pose = Pose(name, target, np.zeros(0, np.uint32), np.zeros((0, 3), np.float32))
             if c.next_id() == POSE_VERTEX:
@@ -285,7 +284,7 @@ class _MeshReader:
             c.enter(where)
             time = c.floats(1, f"a key time of {where}")[0]
             if found == MORPH_KEY:
-                normals = self._version >= (1, 8) and c.flag(where)
+                normals = self._version >= 8 and c.flag(where)
                 width = 6 if normals else 3
                 if not count:
                     raise c.error(f"{where} moves the target {track.target}, which has no vertices")

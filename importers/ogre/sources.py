@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from engine.core.errors import FormatError
+from engine.core.errors import FormatError, InputError
 from engine.core.findings import Findings
 from importers.gltf.uris import read_regular_file
 from importers.ogre.data import OgreMesh, OgreSkeleton
 from importers.ogre.sniff import BINARY, xml_root
 from importers.settings import ImportSettings
+
+#: bytes of memory for each byte of XML, roughly
+_XML_GROWTH = 8
 
 
 def read_source(path: Path, settings: ImportSettings, findings: Findings) -> OgreMesh | OgreSkeleton:
@@ -25,6 +28,11 @@ def read_source(path: Path, settings: ImportSettings, findings: Findings) -> Ogr
 
         return read_mesh(data, file, findings)
     root = xml_root(data[:4096])
+    if root in ("mesh", "skeleton") and len(data) > settings.max_decoded_bytes // _XML_GROWTH:
+        raise InputError(
+            f"has {len(data):,} bytes of XML; the limit is {settings.max_decoded_bytes // _XML_GROWTH:,}", where=path,
+            hint="make it binary with OgreXMLConverter, or raise max_decoded_bytes",
+        )  # fmt: skip
     if root == "mesh":
         from importers.ogre.mesh_xml import read_mesh_xml
 
