@@ -11,6 +11,8 @@
       |-- operations.py   named user operations: menu, palette and keys are their doors
       |-- document.py     what is open; every edit is a Command on a table column
       |     '-- commands/ Command + History: undo, redo, one entry per gesture
+      |-- code/           shader files as text: documents, problems, completion
+      |-- watch.py        edited shaders and materials on disk -> the runtime, and what is wrong with them
       |-- opening.py      path -> scene file, in a worker thread, cancellable
       '-- viewport_image.py   renders only when something visible changed
       v

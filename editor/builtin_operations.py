@@ -215,6 +215,9 @@ def open_effect(session: Session) -> None:
 
     residency = session.document.runtime.residency
     effect = residency.material(material).effect
+    if not effect.files:
+        session.ui.notice = "This effect has no file"
+        return
     session.open_code(effect.files[0])
     technique = effect.techniques.get("forward") or next(iter(effect.techniques.values()), None)
     if technique is not None:

@@ -18,6 +18,8 @@ from editor.widgets import em, fitted_text, text
 TextEditor = code_edit.TextEditor
 #: candidates shown at once
 SHOWN = 12
+#: candidates offered at most
+MOST = 60
 
 
 class CodeField:
@@ -39,6 +41,7 @@ class CodeField:
         self._marked: object = None
         self._candidates: list[str] = []
         self._typed = ""
+        self._choice = 0
 
     def go_to(self, line: int, column: int = 1) -> None:
         """Put the cursor at (line, column), from 1, and show it."""
@@ -105,6 +108,7 @@ class CodeField:
         effects, search = _known(ui)
         self._typed, self._candidates = completions(before, self.document.text, include_names(search), effects)
         if self._candidates and not self.document.read_only:
+            self._choice = 0
             imgui.open_popup("complete")
 
     def _popup(self) -> None:
@@ -115,12 +119,23 @@ class CodeField:
         imgui.set_next_window_size_constraints((em(12), 0), (em(26), em(1.6) * SHOWN))
         if not imgui.begin_popup("complete"):
             return
-        for index, name in enumerate(self._candidates[:60]):
-            if index == 0 and imgui.is_window_appearing():
-                imgui.set_keyboard_focus_here()
-            if imgui.selectable(name, False)[0]:
+        shown = self._candidates[:MOST]
+        moved = self._move_choice(len(shown))
+        for index, name in enumerate(shown):
+            if imgui.selectable(name, index == self._choice)[0]:
                 self._insert(name)
+            if moved and index == self._choice:
+                imgui.set_scroll_here_y()
+        if any(imgui.is_key_pressed(key, False) for key in (imgui.Key.enter, imgui.Key.keypad_enter, imgui.Key.tab)):
+            self._insert(shown[self._choice])
+            imgui.close_current_popup()
         imgui.end_popup()
+
+    def _move_choice(self, count: int) -> bool:
+        """Arrow keys move the choice, round and round; True when it moved."""
+        step = int(imgui.is_key_pressed(imgui.Key.down_arrow)) - int(imgui.is_key_pressed(imgui.Key.up_arrow))
+        self._choice = (self._choice + step) % count
+        return step != 0
 
     def _insert(self, name: str) -> None:
         end = self.editor.get_main_cursor_position()

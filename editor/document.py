@@ -79,13 +79,13 @@ class Document:
             self.selection = (row,) if row >= 0 else ()
 
     def subtree(self, row: int) -> list[int]:
-        """`row` and all nodes below it."""
+        """`row` and all nodes below it, parents first, siblings in order."""
         children = self._children()
         found, queue = [], [row]
         while queue:
             node = queue.pop()
             found.append(node)
-            queue.extend(children.get(node, ()))
+            queue.extend(reversed(children.get(node, ())))
         return found
 
     def bounds(self, rows: Sequence[int] = ()) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

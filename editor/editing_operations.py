@@ -20,8 +20,8 @@ from engine.core.errors import LucarnaError
 Run = Callable[[Session], None]
 Test = Callable[[Session], bool]
 BOOKMARKS = 4
-#: kind -> intensity of a fresh light: lux or candela
-LIGHTS = {"point": 50.0, "spot": 100.0, "directional": 2.0}
+#: kind -> lux that a fresh light gives at what is looked at
+LIGHTS = {"point": 3.0, "spot": 6.0, "directional": 1.2}
 
 
 def add_editing_operations(ops: Operations) -> None:

@@ -45,6 +45,8 @@ class GizmoWidget:
         relative = held.copy()
         relative[:3, 3] -= camera.eye()
         matrix = _to_widget(relative)
+        _g.begin_frame()  # forgets the handle that was under the pointer in the frame before
+        _style()
         _g.set_orthographic(camera.orthographic)
         _g.set_drawlist(imgui.get_window_draw_list())
         _g.set_rect(x, y, width, height)
@@ -99,6 +101,13 @@ class GizmoWidget:
         if self._grip is not None:
             ui.session.end_gesture()
         self._grip, self.busy, self.using = None, False, False
+
+
+def _style() -> None:
+    """Lines that can be seen and hit."""
+    style = _g.get_style()
+    style.translation_line_thickness, style.rotation_line_thickness, style.scale_line_thickness = 3.5, 3.0, 3.5
+    style.rotation_outer_line_thickness, style.center_circle_size = 2.0, 5.0
 
 
 def _local(ui: Ui) -> bool:

@@ -25,11 +25,11 @@ class Box:
 
 @dataclass(frozen=True, slots=True)
 class Edge:
-    """Texture `resource` from box `start` to box `end` (indices). `history`: what the frame before wrote."""
+    """Textures `resources` from box `start` to box `end` (indices). `history`: what the frame before wrote."""
 
     start: int
     end: int
-    resource: str
+    resources: tuple[str, ...]
     history: bool = False
 
 
@@ -44,15 +44,20 @@ class Diagram:
 def diagram(declarations: Sequence[Any], left_out: Sequence[Any]) -> Diagram:
     """The diagram of what runs (framegraph.builder.Declaration, in order) and, in a row of its own, of what does not
     (framegraph.compiled.LeftOut)."""
-    edges: list[Edge] = []
+    ways: dict[tuple[int, int, bool], list[str]] = {}
     writer: dict[str, int] = {}
     for index, declaration in enumerate(declarations):
         sources = dict.fromkeys((*declaration.reads, *(w for w in declaration.writes if w in writer)))
-        edges += [Edge(writer[name], index, name) for name in sources if name in writer]
+        for name in sources:
+            if name in writer:
+                ways.setdefault((writer[name], index, False), []).append(name)
         for name in declaration.writes:
             writer[name] = index
     for index, declaration in enumerate(declarations):
-        edges += [Edge(writer[n], index, n, True) for n in declaration.histories if n in writer and writer[n] != index]
+        for name in declaration.histories:
+            if writer.get(name, index) != index:
+                ways.setdefault((writer[name], index, True), []).append(name)
+    edges = [Edge(start, end, tuple(names), history) for (start, end, history), names in ways.items()]
     columns = _columns(len(declarations), edges)
     used: dict[int, int] = {}
     boxes = []

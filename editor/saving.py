@@ -108,6 +108,9 @@ def _restructured(scene: Any, base: SceneAsset, overrides: Mapping[tuple[str, st
 
     asset: SceneAsset = scene.to_asset(base)
     index_of = {row: index for index, row in enumerate(parents_first(scene))}
+    for node in asset.nodes:
+        if -1 in node.joints:  # a joint was deleted: the mesh is rigid now, as it is in the window
+            node.joints = []
     of_file: set[int] = set()
     for old, row in zip(base.nodes, scene.row_of_node.tolist(), strict=True):
         if row >= 0:

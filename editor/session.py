@@ -461,10 +461,25 @@ class Session:
 
     def request_quit(self) -> bool:
         """True when the window may close now; else the user is asked first."""
-        if self.document is not None and self.document.dirty:
+        if self.unsaved and not self.ui.quit:
             self.ui.after_discard = self._quit
             return False
         return True
+
+    @property
+    def unsaved(self) -> list[str]:
+        """Names of what has unsaved changes: the scene, texts."""
+        scene = [self.document.name] if self.document is not None and self.document.dirty else []
+        return scene + [text.name for text in self.code.dirty]
+
+    def save_all(self) -> bool:
+        """Save the scene and all texts; False when something could not be, or must be asked first."""
+        for text in self.code.dirty:
+            self.code.front = text
+            self.code.raise_tab = True
+            if not self.save_code():
+                return False
+        return self.document is None or not self.document.dirty or self.save()
 
     def remember(self) -> None:
         """Write the preferences; a failure is a warning in the log."""

@@ -21,15 +21,20 @@ def as_float(pixels: NDArray[Any]) -> NDArray[np.float32]:
 
 
 def picture(values: NDArray[np.float32], channels: str, stops: float, low: float, high: float,
-            *, encode: bool) -> NDArray[np.uint8]:  # fmt: skip
+            *, encode: bool, normal: bool = False) -> NDArray[np.uint8]:  # fmt: skip
     """u1[h,w,4] of `values` f4[h,w,c]: `channels` of CHANNELS times 2^stops, `low`..`high` to black..white.
 
-    `encode`: the values are scene-linear and get the sRGB curve. Single channels are grey."""
+    `encode`: the values are scene-linear and get the sRGB curve. Single channels are grey. `normal`: of two
+    channels 0..1, the third is the z of a unit vector."""
     count = values.shape[2]
     if channels == "rgb":
         shown = values[..., :3] if count >= 3 else np.repeat(values[..., :1], 3, axis=2)
         if count == 2:
-            shown = np.concatenate([values, np.zeros_like(values[..., :1])], axis=2)
+            third = np.zeros_like(values[..., :1])
+            if normal:
+                square = ((values * 2.0 - 1.0) ** 2).sum(axis=2, keepdims=True)
+                third = np.sqrt(np.maximum(1.0 - square, 0.0)) * 0.5 + 0.5
+            shown = np.concatenate([values, third], axis=2)
     else:
         index = "rgba".index(channels)
         shown = np.repeat(values[..., index : index + 1] if index < count else np.ones_like(values[..., :1]), 3, axis=2)

@@ -45,6 +45,6 @@ def open_path(
 ) -> Findings:  # fmt: skip
     """Open `path` in `runtime`. Returns what import and load noticed; on an error the open scene stays."""
     scene, findings = scene_path(path, settings or ImportSettings(), progress)
-    runtime.open(scene, baker=baker_for(scene.parent))
+    runtime.open(scene, baker=baker_for(scene.parent), root=path if path.is_dir() else path.parent)
     findings.items.extend(runtime.findings)
     return findings

@@ -83,19 +83,21 @@ class DiscardModal:
         center_next_window(26)
         if not begin_card(self.NAME, modal=True):
             return
-        if pending is None or session.document is None:
+        if pending is None or not session.unsaved:
             session.ui.after_discard = None
             imgui.close_current_popup()
         else:
             with bold(ui):
-                imgui.text_unformatted(f"{icons.WARNING}  {session.document.name} has unsaved changes")
-            text(f"{len(session.document.history.entries)} edits since it was opened or saved", theme.DIM)
+                imgui.text_unformatted(f"{icons.WARNING}  {', '.join(session.unsaved)}: unsaved changes")
+            if session.document is not None and session.document.dirty:
+                text(f"{len(session.document.history.entries)} edits since it was opened or saved", theme.DIM)
             imgui.spacing()
-            if imgui.button("Save", (em(6), 0)) and session.save():
+            if imgui.button("Save", (em(6), 0)) and session.save_all():
                 self._go(ui)
             imgui.same_line()
             if imgui.button("Discard", (em(6), 0)):
-                session.document.history.mark_saved()
+                if session.document is not None:
+                    session.document.history.mark_saved()
                 self._go(ui)
             imgui.same_line()
             if imgui.button("Cancel", (em(6), 0)) or imgui.is_key_pressed(imgui.Key.escape) or session.ui.save_dialog:

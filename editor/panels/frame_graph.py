@@ -10,7 +10,7 @@ from editor import icons, theme
 from editor.graph_layout import Box, Diagram, Edge, diagram
 from editor.panels.base import Panel
 from editor.ui import Ui
-from editor.widgets import em, empty_state, fitted, text, tooltip
+from editor.widgets import em, empty_state, fitted, icon_button, text, tooltip
 from engine.framegraph.dump import extent
 from engine.framegraph.resources import human_bytes, texture_bytes
 
@@ -54,7 +54,7 @@ class FrameGraphPanel(Panel):
             text(f"{human_bytes(saved)} not made", theme.GOOD)
             tooltip("Textures of the passes that this scene does not need")
         imgui.same_line(0, em(1))
-        if imgui.small_button(f"{icons.COPY}  Copy as text"):
+        if icon_button(f"{icons.COPY}##copy-graph", "Copy as text"):
             ui.session.ui.copy_text = graph.dump()
             ui.session.ui.notice = "Copied the frame graph"
 
@@ -116,7 +116,7 @@ class FrameGraphPanel(Panel):
         lines.add_circle_filled(end, em(0.18), tint)
         adjacent = abs(end[0] - start[0] - em(GAP[0])) < em(0.5)
         if bright or adjacent:
-            label = fitted(edge.resource, em(GAP[0] - 0.8) if adjacent else em(12))
+            label = fitted(", ".join(edge.resources), em(GAP[0] - 0.8) if adjacent else em(12))
             size = imgui.calc_text_size(label)
             x = 0.5 * (start[0] + end[0]) - 0.5 * size.x
             y = 0.5 * (start[1] + end[1]) - size.y - em(0.1)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -46,7 +47,7 @@ class InspectorPanel(Panel):
         session, scene = ui.session, document.runtime.scene
         visible = bool(scene.nodes.visible[row])
         if icon_button(f"{icons.VISIBLE if visible else icons.HIDDEN}###visible", "Show or hide this node (H)"):
-            session.set_visible((row,), not visible)
+            session.set_visible(document.selection, not visible)
         imgui.same_line(0, em(0.3))
         imgui.align_text_to_frame_padding()
         more = len(document.selection) - 1
@@ -88,7 +89,7 @@ class InspectorPanel(Panel):
             changed, angles = imgui.drag_float3("##rotation", list(self._angles(row, quaternion)), 0.5, 0, 0, "%.1f°")
             if changed:
                 wanted = quaternion_from_euler(tuple(float(a) for a in angles))
-                self._edit(ui, document, row, "rotation", wanted)
+                self._edit(ui, document, "rotation", [wanted] * len(document.selection))
                 stored = tuple(float(v) for v in nodes.rotation[row])
                 self._euler[row] = (stored, (float(angles[0]), float(angles[1]), float(angles[2])))
             self._vector(ui, document, row, "scale", "Scale", "Factor along each own axis", 0.005, "%.3f")
@@ -104,23 +105,36 @@ class InspectorPanel(Panel):
         self, ui: Ui, document: Document, row: int, column: str, label: str, doc: str, speed: float, format: str
     ) -> None:
         value = [float(v) for v in getattr(document.runtime.scene.nodes, column)[row]]
-        property_row(label, doc)
+        property_row(label, doc, changed=self._mixed(document, column))
         changed, edited = imgui.drag_float3(f"##{column}", value, speed, 0, 0, format)
         new = tuple(float(v) for v in edited)
         if changed and all(math.isfinite(v) for v in new):
             if column == "scale":  # a zero scale has no inverse, and nothing to see
                 new = tuple(v if abs(v) > 1e-6 else math.copysign(1e-6, v) for v in new)
-            self._edit(ui, document, row, column, new)
+            old = document.tables["nodes"].read(column, document.selection)
+            touched = [a != b for a, b in zip(new, value, strict=True)]
+            rows = [tuple(n if t else o for n, o, t in zip(new, own, touched, strict=True)) for own in old]
+            self._edit(ui, document, column, rows)
 
-    def _edit(self, ui: Ui, document: Document, row: int, column: str, value: tuple[float, ...]) -> None:
-        nodes, name = document.runtime.scene.nodes, ui.session.node_name(row)
+    def _edit(self, ui: Ui, document: Document, column: str, values: list[tuple[float, ...]]) -> None:
+        """Set `column` of all selected nodes, as one entry."""
+        nodes, rows = document.runtime.scene.nodes, document.selection
+        name = ui.session.node_name(rows[0]) if len(rows) == 1 else f"{len(rows)} nodes"
         label = f"{LABELS[column]} {name}"
-        if bool(nodes.has_matrix[row]):
-            local = list(document.tables["nodes"].read("local", (row,))[0])
-            local[("translation", "rotation", "scale").index(column)], local[3] = value, None
-            ui.session.edit("nodes", "local", [row], [tuple(local)], gesture=("nodes", "local", row), label=label)
+        if bool(nodes.has_matrix[list(rows)].any()):
+            locals_ = [list(local) for local in document.tables["nodes"].read("local", rows)]
+            for local, value in zip(locals_, values, strict=True):
+                local[("translation", "rotation", "scale").index(column)], local[3] = value, None
+            whole = [tuple(local) for local in locals_]
+            ui.session.edit("nodes", "local", rows, whole, gesture=("nodes", "local", rows), label=label)
         else:
-            ui.session.edit("nodes", column, [row], [value], gesture=("nodes", column, row), label=label)
+            ui.session.edit("nodes", column, rows, values, gesture=("nodes", column, rows), label=label)
+
+    @staticmethod
+    def _mixed(document: Document, column: str) -> bool:
+        """Whether the selected nodes have different values: what is edited is set for all of them."""
+        values = getattr(document.runtime.scene.nodes, column)[list(document.selection)]
+        return bool((values != values[:1]).any())
 
     def _mesh(self, ui: Ui, document: Document, instances: Any) -> None:
         if not section(ui, f"{icons.MESH}  Mesh", opened=False):
@@ -144,7 +158,12 @@ class InspectorPanel(Panel):
         kind = int(document.runtime.scene.lights.type[light])
         if section(ui, f"{icons.LIGHT}  {LIGHT_TYPES[kind]} light"):
             fields = (*LIGHT, *SPOT) if kind == 2 else LIGHT
-            self._fields(ui, document, "lights", light, tuple(f for f in fields if kind != 0 or f.name != "range"))
+            table = document.runtime.scene.lights
+            more = [
+                int(r) for r in np.flatnonzero(table.alive & np.isin(table.node, document.selection)) if int(r) != light
+            ]  # all selected lights get what is edited of the last one
+            shown = tuple(f for f in fields if kind != 0 or f.name != "range")
+            self._fields(ui, document, "lights", light, shown, more)
 
     def _scene(self, ui: Ui, document: Document) -> None:
         scene = document.runtime.scene
@@ -173,7 +192,11 @@ class InspectorPanel(Panel):
     def _sky(document: Document) -> bool:
         return bool(document.runtime.scene.environment.kind == "sky")
 
-    def _fields(self, ui: Ui, document: Document, table: str, row: int, fields: tuple[Param, ...]) -> None:
+    def _fields(
+        self, ui: Ui, document: Document, table: str, row: int, fields: tuple[Param, ...], more: Sequence[int] = ()
+    ) -> None:
+        """`more`: other rows that get what is edited."""
+        rows = [row, *more]
         with property_grid(f"{table}{row}") as shown:
             for field in fields if shown else ():
                 key = (table, field.name, row)
@@ -184,7 +207,7 @@ class InspectorPanel(Panel):
                 if changed and slow:
                     self._pending[key] = new
                 elif changed:
-                    ui.session.edit(table, field.name, [row], [new], gesture=key)
+                    ui.session.edit(table, field.name, rows, [new] * len(rows), gesture=key)
                 if key in self._pending and not imgui.is_mouse_down(imgui.MouseButton_.left):
                     ui.session.edit(table, field.name, [row], [self._pending.pop(key)])
         imgui.spacing()

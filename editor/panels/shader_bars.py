@@ -13,7 +13,7 @@ from editor.code.files import is_built_in
 from editor.code.problems import STATES
 from editor.theme import Rgba
 from editor.ui import Ui
-from editor.widgets import em, fitted_text, icon_button, text
+from editor.widgets import em, fitted_text, icon_button, mono, text
 
 
 def draw_header(ui: Ui) -> None:
@@ -52,16 +52,16 @@ def draw_bars(ui: Ui, document: CodeDocument) -> None:
         ):
             ui.session.save_code()
     elif document.read_only or is_built_in(document.path):
-        what = "is read-only" if document.read_only else "is one of Lucarna's own: all projects see a change"
+        what = "Read-only" if document.read_only else "Lucarna's own"
         buttons = (
             ["Copy into project to edit"] if is_built_in(document.path) and ui.session.document is not None else []
         )
-        if _bar("built-in", theme.INFO, f"{icons.LOCK}  {document.name} {what}", buttons) == 0:
+        if _bar("built-in", theme.INFO, f"{icons.LOCK}  {what}", buttons) == 0:
             ui.session.copy_code_into_project()
 
 
 def _conflict(ui: Ui, document: CodeDocument) -> None:
-    words = f"{icons.WARNING}  {document.name} was changed here and by another program"
+    words = f"{icons.WARNING}  Changed elsewhere too"
     chosen = _bar("conflict", theme.WARNING, words, ["Keep mine", "Take theirs", "Show difference"])
     if chosen == 0:
         document.keep_mine()
@@ -70,10 +70,10 @@ def _conflict(ui: Ui, document: CodeDocument) -> None:
         document.take_theirs()
     elif chosen == 2:
         imgui.open_popup("Difference")
-    _difference(document)
+    _difference(ui, document)
 
 
-def _difference(document: CodeDocument) -> None:
+def _difference(ui: Ui, document: CodeDocument) -> None:
     from imgui_bundle import imgui_color_text_edit as code_edit
 
     size = imgui.get_main_viewport().size
@@ -84,11 +84,15 @@ def _difference(document: CodeDocument) -> None:
     if differ is None or differ[0] != (document.theirs, document.text):
         made = code_edit.TextDiff()
         made.set_side_by_side_mode(True)
+        made.set_show_whitespaces_enabled(False)
+        made.set_palette(code_edit.TextEditor.get_dark_palette())
+        made.set_colors(theme.u32(theme.GOOD, 0.22), theme.u32(theme.ERROR, 0.22))
         made.set_language(code_edit.TextEditor.Language.glsl())
         made.set_text(document.theirs or "", document.text)
         differ = _DIFFERENCES[document.path] = ((document.theirs, document.text), made)
     text("Left: what the other program wrote. Right: yours.", theme.DIM)
-    differ[1].render("##difference", (0, -em(2.6)))
+    with mono(ui):
+        differ[1].render("##difference", (0, -em(2.6)))
     for index, label in enumerate(("Keep mine", "Take theirs", "Close")):
         if imgui.button(label, (em(8), 0)):
             if index == 0:

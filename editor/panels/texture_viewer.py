@@ -30,6 +30,7 @@ class Source:
     material: int = -1
     label: str = ""
     note: str = ""
+    lost: bool = False
 
 
 class TextureViewerPanel(Panel):
@@ -48,6 +49,7 @@ class TextureViewerPanel(Panel):
         self.values: NDArray[np.float32] | None = None
         self.problem = ""
         self._desc: Any = None
+        self._linear = False
         self._read_key: object = None
         self._shown_key: object = None
         self._texture: Any = None
@@ -63,7 +65,8 @@ class TextureViewerPanel(Panel):
             empty_state(icons.TEXTURE, "No textures yet", "They are there once a scene is drawn")
             return
         if self.source not in sources:
-            self.source = next((s for s in sources if s.kind == "target"), sources[0])
+            targets = [s for s in sources if s.kind == "target" and not s.lost]
+            self.source = targets[-1] if targets else sources[0]
             self._reset()
         self._bar(ui, sources)
         self._read(ui)
@@ -127,7 +130,9 @@ class TextureViewerPanel(Panel):
                     layer = self.layer
                 self._desc = texture.desc
                 self.level = min(self.level, texture.desc.mips - 1)
-                self.values = as_float(np.asarray(texture.read(level=self.level, layer=layer)))
+                pixels = np.asarray(texture.read(level=self.level, layer=layer))
+                self._linear = pixels.dtype.kind == "f" and not texture.desc.format.startswith("d")
+                self.values = as_float(pixels)
         except (LucarnaError, KeyError, ValueError, AssertionError) as error:
             self.values, self.problem = None, f"Cannot be read: {error}"
 
@@ -140,6 +145,9 @@ class TextureViewerPanel(Panel):
         fit = min(room.x / width, max(room.y - footer, 1.0) / height)
         zoom = self.zoom or fit
         if imgui.begin_child("pixels", (0, -footer), 0, imgui.WindowFlags_.horizontal_scrollbar):
+            space = imgui.get_content_region_avail()
+            at = imgui.get_cursor_pos()
+            imgui.set_cursor_pos((at.x + max(0.0, 0.5 * (space.x - width * zoom)), at.y))
             start = imgui.get_cursor_screen_pos()
             if self._texture is not None and self._texture.native:
                 imgui.image(imgui.ImTextureRef(self._texture.native), (width * zoom, height * zoom))
@@ -182,12 +190,12 @@ class TextureViewerPanel(Panel):
     def _upload(self, ui: Ui) -> None:
         """Bring what is to be seen into a texture of our own."""
         assert self.values is not None
-        encode = self._desc.format.endswith(("f", "-srgb")) and not self._desc.format.startswith("d")
+        encode, normal = self._linear, self._desc.format in {"bc5", "rg8"}
         key = (self._read_key, self.channels, self.stops, self.low, self.high)
         if key == self._shown_key:
             return
         self._shown_key = key
-        pixels = picture(self.values, self.channels, self.stops, self.low, self.high, encode=encode)
+        pixels = picture(self.values, self.channels, self.stops, self.low, self.high, encode=encode, normal=normal)
         height, width = pixels.shape[:2]
         device = ui.session.device
         with ui.session.device_frame():
@@ -212,7 +220,7 @@ def list_sources(session: Any) -> list[Source]:
             if desc.kind in {"2d", "2d-array", "cube"} and getattr(desc, "samples", 1) == 1:
                 lost = overwritten(plan, name)
                 note = "Its memory was used again later in the frame: what shows is that" if lost else desc.format
-                found.append(Source("target", name, -1, f"{name} (overwritten)" if lost else name, note))
+                found.append(Source("target", name, -1, f"{name} (overwritten)" if lost else name, note, lost))
     document = session.document
     if document is None:
         return found

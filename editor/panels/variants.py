@@ -15,7 +15,7 @@ from editor.widgets import em, empty_state, mono, text, tooltip
 
 #: what is shown of the chosen variant
 VIEWS = ("Why", "Fragment", "Vertex")
-COLUMNS = (("effect", 0.9), ("features", 2.4), ("materials", 1.6), ("compile", 0.6))
+COLUMNS = (("Effect", 1.5), ("Features", 2.0), ("Used by", 1.6), ("Time", 0.8))
 
 
 class VariantsPanel(Panel):
@@ -57,6 +57,8 @@ class VariantsPanel(Panel):
             return
         for name, weight in COLUMNS:
             imgui.table_setup_column(name, imgui.TableColumnFlags_.width_stretch, weight)
+        imgui.table_setup_scroll_freeze(0, 1)
+        imgui.table_headers_row()
         for index, row in enumerate(rows):
             imgui.table_next_row()
             imgui.table_next_column()
@@ -110,7 +112,8 @@ class VariantsPanel(Panel):
 
 def _why(row: VariantRow) -> None:
     if row.error:
-        text(row.error, theme.ERROR)
+        text(row.error.split("\n")[0], theme.ERROR)
+        tooltip(row.error)
     for name, reason in row.reasons:
         text(name, theme.GOOD)
         imgui.same_line(em(9))

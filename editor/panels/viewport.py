@@ -7,7 +7,7 @@ from typing import ClassVar
 
 from imgui_bundle import imgui
 
-from editor import axis_widget, camera_controls, icons, overlay, theme
+from editor import axis_widget, camera_controls, icons, markers, overlay, theme
 from editor.camera_controls import OrbitCamera
 from editor.gizmo_widget import GizmoWidget
 from editor.navigation import WHEEL, motion_for
@@ -38,6 +38,10 @@ class ViewportPanel(Panel):
         #: while flying, bare keys belong to the camera
         self.flying = False
         self.gizmo = GizmoWidget()
+        #: node row of the light or camera whose sign is under the pointer, or -1
+        self.marker = self._pressed = -1
+        #: the picture in the window: x, y, width, height, imgui units
+        self.area = (0.0, 0.0, 1.0, 1.0)
         #: where a drag began, imgui units
         self._start = (0.0, 0.0)
 
@@ -59,6 +63,7 @@ class ViewportPanel(Panel):
     def _picture(self, ui: Ui, width: float, height: float) -> None:
         session = ui.session
         origin = imgui.get_cursor_screen_pos()
+        self.area = (origin.x, origin.y, width, height)
         scale = ui.pixel_scale * session.image.resolution(session)
         frame = session.image.update(session, round(width * scale), round(height * scale))
         if self.gizmo.busy and not self.motion:  # its handles want a press that no other item takes
@@ -95,6 +100,7 @@ class ViewportPanel(Panel):
         if session.preferences.show_outline:
             for row in document.selection[-50:]:
                 overlay.draw_box(session.camera, *document.bounds((row,)), (x, y), width, height)
+        self.marker = markers.draw(document, session.camera, (x, y), width, height, hoverable=hoverable)
         overlay.draw_measure(session.camera, session.tools, (x, y), width, height)
         over_axes = False
         if session.preferences.show_axes and width > em(12) and height > em(10):
@@ -137,7 +143,7 @@ class ViewportPanel(Panel):
                 if imgui.is_mouse_clicked(index) and not (self.gizmo.busy and index == 0):
                     self.motion = motion_for(session.preferences.keymap, name, _modifiers()) or "none"
                     self._button, self._travel = index, 0.0
-                    self._start = (io.mouse_pos.x, io.mouse_pos.y)
+                    self._start, self._pressed = (io.mouse_pos.x, io.mouse_pos.y), self.marker
                     imgui.set_window_focus()
         if self.motion:
             self._travel += abs(io.mouse_delta.x) + abs(io.mouse_delta.y)
@@ -164,6 +170,8 @@ class ViewportPanel(Panel):
             session.measure(u, v)
         elif io.key_alt:
             session.pick_through(u, v)
+        elif self._pressed >= 0 and session.document is not None:
+            session.document.select(self._pressed, toggle=bool(io.key_ctrl))
         else:
             session.pick(u, v, toggle=bool(io.key_ctrl))
 

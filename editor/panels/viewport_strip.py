@@ -19,6 +19,11 @@ CONTROLS = (
     ("tone_map", icons.LOOK, 8.5),
     ("view", icons.VISIBLE, 7.5),
 )
+#: (operation, icon)
+TOOLS = (
+    ("tool.select", icons.SELECT), ("tool.move", icons.MOVE), ("tool.rotate", icons.ROTATE),
+    ("tool.scale", icons.SCALE), ("tool.local", icons.AXES), ("tool.measure", icons.RULER),
+)  # fmt: skip
 
 
 def draw(ui: Ui) -> None:
@@ -26,11 +31,24 @@ def draw(ui: Ui) -> None:
     settings = ui.session.settings
     known = {p.name: p for p in settings.PARAMS}
     imgui.set_cursor_pos((em(0.5), imgui.get_cursor_pos_y() + em(0.25)))
+    _tools(ui)
     for name, icon, width in CONTROLS:
         if name in known and imgui.get_content_region_avail().x > em(width + 2):
             _control(settings, known[name], icon, em(width))
             imgui.same_line(0, em(0.9))
     _cost(ui)
+
+
+def _tools(ui: Ui) -> None:
+    """The tools as buttons, each with its key."""
+    for id, icon in TOOLS:
+        operation = ui.operations[id]
+        active = operation.checked is not None and operation.checked(ui.session)
+        hint = f"{operation.label} ({operation.shortcuts[0]})" + (f"\n{operation.doc}" if operation.doc else "")
+        if icon_button(f"{icon}##{id}", hint, active=active):
+            ui.operations.run(id, ui.session)
+        imgui.same_line(0, em(0.05))
+    imgui.same_line(0, em(0.7))
 
 
 def _control(settings: ParamBlock, param: Param, icon: str, width: float) -> None:

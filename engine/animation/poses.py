@@ -72,10 +72,9 @@ def unit(q: F8, fallback: F8) -> F8:
 def slerp_weights(theta: F8, fraction: F8) -> tuple[F8, F8]:
     """The weights of slerp (Shoemake 1985) between quaternions `theta` apart in 4-space, 0 <= theta <= pi/2.
 
-    Below 1e-4 the angle is taken as 1e-4: the weights then differ from the true ones by 1e-9 of themselves, and 0/0
-    cannot happen.
+    No angle is taken as less than 1e-9: the weights are then still those of lerp, and 0/0 cannot happen.
     """
-    angle = np.maximum(theta, 1e-4)
+    angle = np.maximum(theta, 1e-9)
     inverse = 1.0 / np.sin(angle)
     return np.sin((1.0 - fraction) * angle) * inverse, np.sin(fraction * angle) * inverse
 

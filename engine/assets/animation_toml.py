@@ -181,8 +181,9 @@ def _animation(source: TomlSource) -> tuple[AnimationModel, TomlSource]:
 
 
 def _explain(source: TomlSource, error: ValidationError) -> FormatError:
-    """The first complaint of pydantic, at its line."""
-    first = error.errors()[0]
+    """A complaint of pydantic, at its line: an unknown key rather than the one that is missing for it."""
+    found = error.errors()
+    first = next((e for e in found if e["type"] == "extra_forbidden"), found[0])
     # pydantic adds the tried branch of a union, and [key] for a dictionary's key
     parts = [p for p in first["loc"] if p not in ("[key]", "constrained-str", "float", "str")]
     location: KeyPath = tuple("schema" if p == "schema_" else p for p in parts)

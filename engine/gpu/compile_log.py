@@ -21,7 +21,7 @@ _FORMS = (
 )
 _QUOTED = re.compile(r"[\"'`]([A-Za-z_]\w*)[\"'`]")
 _UNKNOWN = re.compile(
-    r"undeclared|undefined|no (?:such )?(?:matching )?(?:function|field|member)|not declared|no field|cannot access field", re.I
+    r"undeclared|undefined|not declared|no (?:such |matching )*(?:function|field|member)|cannot access field", re.I
 )
 _NAME = re.compile(r"[A-Za-z_]\w{2,}")
 SHOWN = 8  # errors after the first few follow from them

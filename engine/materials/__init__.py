@@ -7,6 +7,7 @@
     features.py  resolve_features(): which features a material on a mesh switches on, and why
     library.py   EffectLibrary: variants (pipelines), hot reload
     variant.py   VariantRequest, Variant; compiling one
+    fit.py       what of a material an edited effect can still take
     table.py     MaterialTable: the materials of an effect as rows of a storage buffer
 
     *.effect.toml --schema--> Effect --row_layout--> MaterialTable.rows --> storage buffer (binding 2)

@@ -355,7 +355,7 @@ def casts_shadow(state: DrawState, effect: Effect) -> bool:
 
 
 def caster_state(state: DrawState, effect: Effect) -> DrawState:
-    """`state` without what makes no difference in a depth map. Both faces are drawn: an open shell casts from either."""
+    """`state` without what makes no difference in a depth map. Both faces are drawn: an open shell casts as well."""
     features = effect.active("shadow", state.features)
     group = state.group
     if "alpha_test" not in features:

@@ -128,7 +128,7 @@ class Programs:
     def requests(
         self, states: Iterable[tuple[int, DrawState]], records: Mapping[int, MaterialRecord]
     ) -> list[VariantRequest]:
-        """What `surface` and `shadow` would ask of the library for these (material, state), by the last frame's facts."""
+        """What `surface` and `shadow` would ask of the library for these (material, state), by the last facts."""
         return list(self.uses(states, records))
 
     def uses(

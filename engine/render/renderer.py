@@ -24,7 +24,7 @@ from engine.render.palettes import PaletteRows
 from engine.render.pass_timer import PassTimer
 from engine.render.paths.forward import forward_passes
 from engine.render.programs import Programs
-from engine.render.shadows.quality import ShadowQuality
+from engine.render.shadows.quality import ShadowQuality, filter_for
 from engine.render.shadows.sun import SunShadows
 from engine.render.transforms import TransformRows, origin_near
 from engine.render.view import View
@@ -186,7 +186,11 @@ class Renderer:
             hdr_output=hdr,
             force_all=settings.force_all,
             sun_shadows=sun_shadows,
-            shadow_quality=ShadowQuality(settings.shadow_filter, settings.shadow_cascades, settings.shadow_size),
+            shadow_quality=ShadowQuality(
+                filter_for(settings.shadow_filter, software=self.device.caps.software),
+                settings.shadow_cascades,
+                settings.shadow_size,
+            ),
         )
         return RenderFrame(
             device=self.device, view=view, facts=facts, residency=self.residency, programs=self.programs,

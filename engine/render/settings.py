@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from engine.core.param import ParamBlock, param
-from engine.render.shadows.quality import DEFAULT, FILTERS
+from engine.render.shadows.quality import DEFAULT, FILTER_CHOICES
 
 TONE_MAPS = ("none", "agx", "aces", "neutral")
 DEBUG_VIEWS = ("lit", "base_color", "normal", "roughness", "metallic", "occlusion", "emission", "cascades")
@@ -29,8 +29,8 @@ class RenderSettings(ParamBlock):
     samples: int = param(4, min=1, max=8, doc="anti-aliasing samples a pixel (1, 2, 4, 8; limited by the device)")
     shadows: bool = param(True, doc="the sun (the first one) casts shadows")
     shadow_filter: str = param(
-        DEFAULT.filter, choices=FILTERS,
-        doc="none: texels; pcf: 2x2; vogel: 8 or 16 lookups in a disc; pcss: softer the further from what casts",
+        "auto", choices=FILTER_CHOICES,
+        doc="auto: by device; none: texels; pcf: 2x2; vogel: lookups in a disc; pcss: soft away from what casts",
     )  # fmt: skip
     shadow_cascades: int = param(DEFAULT.cascades, min=1, max=8, doc="shadow maps for near to far")
     shadow_size: int = param(DEFAULT.size, min=16, max=8192, unit="px", doc="width of each shadow map")
@@ -38,7 +38,7 @@ class RenderSettings(ParamBlock):
         0.0, min=0.0, max=1e6, step=1.0, unit="m", doc="no shadows beyond; 0 = as far as the scene"
     )
     shadow_split: float = param(
-        0.8, min=0.0, max=1.0, step=0.01, doc="how the depth is cut: 0 evenly, 1 logarithmically"
+        0.9, min=0.0, max=1.0, step=0.01, doc="how the depth is cut: 0 evenly, 1 logarithmically"
     )
     shadow_softness: float = param(
         1.5, min=0.0, max=8.0, step=0.1, unit="px", doc="radius of the filter's disc in shadow map texels"

@@ -86,9 +86,10 @@ class SkinTable:
     def palette(self, origin: F8) -> NDArray[np.float32]:
         """f4[joints,3,4]: from mesh space to the world relative to `origin` f8[3], per joint, as of the last update."""
         world = self._nodes.world[self.joint]
-        out = world[:, :, :3] @ self.inverse_bind
-        out[:, :, 3] += world[:, :, 3] - origin
-        return out.astype(np.float32)
+        with np.errstate(over="ignore", invalid="ignore"):  # a joint beyond float32 takes only its own vertices along
+            out = world[:, :, :3] @ self.inverse_bind
+            out[:, :, 3] += world[:, :, 3] - origin
+            return out.astype(np.float32)
 
     def update(self) -> None:
         """Give the skinned instances world spheres that hold their pose. Call after nodes and instances."""
@@ -96,6 +97,10 @@ class SkinTable:
         if seen == self._seen or len(self) == 0:
             return
         self._seen = seen
+        with np.errstate(over="ignore", invalid="ignore"):
+            self._place_spheres()
+
+    def _place_spheres(self) -> None:
         world = self._nodes.world[self.joint]
         place = world[:, :, 3]
         reach = self.reach * largest_scale(world[:, :, :3])

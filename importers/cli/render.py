@@ -6,11 +6,19 @@ import argparse
 import json
 import sys
 import time
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from engine.core.errors import UsageError
 from importers.cli.render_camera import add_camera_arguments, free_camera
+from importers.cli.render_sequence import (
+    add_sequence_arguments,
+    check_arguments,
+    play_clips,
+    sequence,
+    write_sequence,
+)
 
 if TYPE_CHECKING:
     from engine.app.runtime import Runtime
@@ -23,9 +31,12 @@ SUMMARY = "render a scene or a model to .png or .exr, headless"
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scene", type=Path, help="*.scene.json, a project folder, or a source file (.glb, .gltf, …)")
-    parser.add_argument("--out", type=Path, required=True, help="picture to write: .png (display) or .exr (linear HDR)")
+    parser.add_argument(
+        "--out", type=Path, required=True, help="picture to write: .png (display), .exr (linear HDR); .mp4, .webm"
+    )
     parser.add_argument("--size", default="1280x720", help="WIDTHxHEIGHT in pixels (default 1280x720)")
     parser.add_argument("--time", type=float, default=0.0, help="seconds into the animation")
+    add_sequence_arguments(parser)
     parser.add_argument("--camera", default="", help="name of the scene's camera to use; 'auto' frames everything")
     parser.add_argument("--orbit", default="", help="AZIMUTH,ELEVATION in degrees of a camera that frames everything")
     add_camera_arguments(parser)
@@ -46,8 +57,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     width, height = parse_size(args.size)
-    if args.out.suffix.lower() not in (".png", ".exr"):
-        raise UsageError(f"cannot write {args.out.suffix or 'a file without extension'}", hint="use .png or .exr")
+    check_arguments(args)
     start = time.perf_counter()
     settings = _render_settings(args)
 
@@ -62,10 +72,17 @@ def run(args: argparse.Namespace) -> int:
     try:
         findings = open_path(runtime, args.scene, settings=ImportSettings(preset=args.preset))
         _apply_environment(runtime, args.environment)
+        play_clips(runtime, args.clip)
         runtime.update(args.time)
-        view = View(_camera(runtime, args, width / height), width, height, settings)
         opened = time.perf_counter()
-        frame = _write(runtime, view, args.out)
+        plan = sequence(args, runtime.duration)
+        if plan is None:
+            view = View(_camera(runtime, args, width / height), width, height, settings)
+            frame = _write(runtime, view, args.out)
+        else:
+            frame = write_sequence(
+                runtime, args, plan, settings, (width, height), partial(_camera, runtime, args), _write
+            )
         for finding in (*findings, *runtime.renderer.environments.findings):
             print(finding, file=sys.stderr)
         for variant, error in runtime.renderer.programs.errors.items():

@@ -167,6 +167,7 @@ class _Builder:
         """Hang the node's mesh on it; returns what shapes the mesh."""
         doc, node = self._doc, self._doc.nodes[index]
         mesh = doc.meshes[node["mesh"]]
+        mesh["name"] = mesh["name"] or asset.name
         own, shared = [int(m) for m in node["materials"]], [int(m) for m in mesh["materials"]]
         materials = own if len(own) >= len(shared) else shared
         key = (node["mesh"], *materials)
@@ -179,8 +180,6 @@ class _Builder:
             number = -1
             if built is not None:
                 number = len(self._model.meshes)
-                if not mesh["name"]:
-                    built[0].name = asset.name
                 self._model.meshes.append(built[0])
                 self._model.slots.append([m if m >= 0 else self._default_material() for m in built[1]])
             self._built[key] = (number, skin, cache.times)

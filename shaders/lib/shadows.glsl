@@ -1,6 +1,6 @@
 // Shadows of the first sun: cascaded maps of depth (1 towards the sun), looked up in light space.
 // The maps and their fields of the view block come from engine/render/shadows; the bias is explained in bias.py there.
-#include "lib/math.glsl"
+#include "lib/disc.glsl"
 
 layout(binding = 11) uniform sampler2DArrayShadow t_sun_shadow;
 #if SHADOW_FILTER == 4
@@ -13,14 +13,6 @@ const float SHADOW_MAX_SLOPE = 4.0;
 const float SHADOW_MARGIN = 6.0;          // texels at the edge that only filters look into, fit.py
 const float SHADOW_BLEND = 0.1;           // of a cascade's half width
 const float SHADOW_MAX_PENUMBRA = 12.0;   // texels, pcss
-
-// O'Neill 2014, "PCG", the 32-bit output hash: a direction per pixel that no driver computes differently.
-float shadow_turn(uvec2 pixel)
-{
-    uint state = (pixel.x + pixel.y * 65537u) * 747796405u + 2891336453u;
-    uint word = ((state >> ((state >> 28u) + 4u)) ^ state) * 277803737u;
-    return float((word >> 22u) ^ word) * (2.0 * PI / 4294967296.0);
-}
 
 // What a point looks like to one cascade: where it looks, and the receiver's plane.
 struct ShadowReceiver {
@@ -65,21 +57,17 @@ float shadow_tap(ShadowReceiver r, vec2 offset)
     return texture(t_sun_shadow, vec4(shadow_uv(r, offset), shadow_depth(r, offset)));
 }
 
-// Vogel 1979, "A better way to construct the sunflower head": points of a disc, the golden angle apart.
-const mat2 GOLDEN_TURN = mat2(-0.7373688780783, 0.6754902942615, -0.6754902942615, -0.7373688780783);
-
 // Mean of `taps` lookups in a disc of `radius` texels; `turn` in radians.
 float shadow_disc(ShadowReceiver r, int taps, float radius, float turn)
 {
     vec2 direction = vec2(cos(turn), sin(turn));
     float scale = radius * r.square.w;
-    float inverse = 1.0 / float(taps);
     float lit = 0.0;
     for (int k = 0; k < taps; ++k) {
-        lit += shadow_tap(r, direction * (scale * sqrt((float(k) + 0.5) * inverse)));
+        lit += shadow_tap(r, direction * (scale * vogel_radius(k, taps)));
         direction = GOLDEN_TURN * direction;
     }
-    return lit * inverse;
+    return lit / float(taps);
 }
 
 #if SHADOW_FILTER == 4
@@ -94,7 +82,7 @@ float shadow_penumbra(ShadowReceiver r, float turn)
     float distance_sum = 0.0;
     float casters = 0.0;
     for (int k = 0; k < taps; ++k) {
-        vec2 offset = direction * (r.square.w * widest * sqrt((float(k) + 0.5) / float(taps)));
+        vec2 offset = direction * (r.square.w * widest * vogel_radius(k, taps));
         float above = textureLod(t_sun_depth, shadow_uv(r, offset), 0.0).r - shadow_depth(r, offset);
         if (above > 0.0) {
             distance_sum += above;
@@ -158,7 +146,7 @@ float sun_visibility(vec3 p, vec3 n, vec3 f, uvec2 pixel)
     vec3 f_light = light_space(f);
     float f2 = dot(f_light, f_light);
     f_light = f2 > 1e-30 ? f_light * inversesqrt(f2) : n_light;  // also where it is not a number
-    float turn = shadow_turn(pixel);
+    float turn = pixel_turn(pixel);
     float lit = cascade_visibility(i, at, n_light, f_light, turn);
     if (edge > 0.0) {
         float ignored;

@@ -25,7 +25,7 @@ def occurrences(mode: int, phase: float, low: Fraction, high: Fraction) -> list[
     at, period = Fraction(phase), 2 if mode == PING_PONG else 1
     if mode == ONCE:
         return [at] if low <= at <= high else []
-    places = {at % period} | ({(2 - at) % period} if mode == PING_PONG else set())
+    places = {at % period} | ({Fraction(2.0 - phase) % period} if mode == PING_PONG else set())
     first, last = int(low // period) - 1, int(high // period) + 1
     return [k * period + p for k in range(first, last + 1) for p in places if low <= k * period + p <= high]
 
@@ -38,9 +38,9 @@ def expected(mode: int, start: Fraction, end: Fraction, fresh: bool) -> list[tup
             places = [p for p in occurrences(mode, float(phase), start, end) if p > start]
         else:
             places = [p for p in occurrences(mode, float(phase), end, start) if p < start]
-        if (fresh and Fraction(float(phase)) == start % (2 if mode == PING_PONG else 1)) or (
-            fresh and mode == PING_PONG and 0 < phase < 1 and (2 - Fraction(float(phase))) == start % 2
-        ):
+        here = start if mode == ONCE else start % (2 if mode == PING_PONG else 1)
+        back = mode == PING_PONG and 0.0 < phase < 1.0 and Fraction(2.0 - float(phase)) == here
+        if fresh and (Fraction(float(phase)) == here or back):
             places.append(start)
         found += [(p, number) for p in places]
     return sorted(found, key=lambda item: (abs(item[0] - start), item[1]))

@@ -79,6 +79,25 @@ def test_the_line_named_is_that_of_the_mistake(seen: dict[str, Any]) -> None:
         assert seen["mistakes"][mistake]["place"].split(":")[1] == str(line)
 
 
+def test_typing_is_the_texts_and_not_the_scenes(seen: dict[str, Any]) -> None:
+    starts, dirty, revision = seen["typed"]
+    assert starts
+    assert dirty
+    same, still_dirty, revision_after = seen["typing_undone"]
+    assert same, "Ctrl+Z in the text undoes typing"
+    assert not still_dirty
+    assert revision_after == revision, "and nothing of the scene"
+    written, text_dirty, scene_dirty = seen["saved_by_key"]
+    assert written
+    assert not text_dirty
+    assert scene_dirty, "Ctrl+S in the text does not save the scene"
+
+
+def test_completion_by_keys(seen: dict[str, Any]) -> None:
+    assert seen["completion_open"]
+    assert seen["completed"]
+
+
 def test_changes_on_both_sides_overwrite_nothing(seen: dict[str, Any]) -> None:
     assert seen["conflict"]
     assert seen["theirs_kept"], "saving in a conflict wrote the file"

@@ -10,8 +10,9 @@ import pytest
 
 from engine.assets.lanim import check_channel
 from engine.assets.lmesh import check_mesh
-from engine.core.errors import FormatError, LucarnaError, Place
+from engine.core.errors import LucarnaError, Place
 from importers.fbx.reader import load
+from importers.model import ImportedModel
 from importers.settings import ImportSettings
 from tests.support.fbx_builder import QUAD, FbxBuilder
 
@@ -57,37 +58,34 @@ def mutant(text: str, seed: int) -> str:
     return text
 
 
+def attempt(path: Path) -> tuple[ImportedModel | None, str]:
+    try:
+        return load(path, SETTINGS), ""
+    except LucarnaError as error:
+        return None, str(error)
+
+
 def test_the_whole_file_is_sound(tmp_path: Path) -> None:
     path = tmp_path / "a.fbx"
     path.write_text(rich_scene(), encoding="utf-8")
     model = load(path, SETTINGS)
     assert (len(model.meshes), len(model.clips), len(model.materials)) == (1, 1, 1)
     assert model.meshes[0].skeleton is not None
-    assert [c.path for c in model.clips[0].channels] == ["translation", "rotation", "weights"]
+    assert sorted(c.path for c in model.clips[0].channels) == ["rotation", "translation", "weights"]
 
 
 @pytest.mark.parametrize("seed", range(24))
 def test_mutants(tmp_path: Path, seed: int) -> None:
     path = tmp_path / "a.fbx"
     path.write_text(mutant(rich_scene(), seed), encoding="utf-8")
-    try:
-        model = load(path, SETTINGS)
-    except LucarnaError as error:
-        assert "a.fbx" in str(error)
-        assert "makes no sense" not in str(error)
-        assert "crashed" not in str(error)
+    model, refusal = attempt(path)
+    if model is None:
+        assert "a.fbx" in refusal
+        assert "makes no sense" not in refusal
+        assert "crashed" not in refusal
         return
     for mesh in model.meshes:
         check_mesh(mesh, Place("mesh"))
     for clip in model.clips:
         for channel in clip.channels:
             check_channel(channel, Place("channel"))
-
-
-def test_a_worker_without_memory_is_a_clear_error(tmp_path: Path) -> None:
-    path = tmp_path / "a.fbx"
-    path.write_text(rich_scene().replace("Vertices: *15 {", "Vertices: *400000000 {"), encoding="utf-8")
-    try:
-        load(path, ImportSettings(max_worker_bytes=1 << 30))
-    except FormatError as error:
-        assert "a.fbx" in str(error)

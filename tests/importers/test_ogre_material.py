@@ -389,3 +389,15 @@ def test_looking_around_is_bounded(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     around = look_around(tmp_path, "t")
     assert not around.complete
     assert len(around.scripts) <= 10
+
+
+def test_links_out_of_the_asset_are_not_followed(tmp_path: Path) -> None:
+    deep = tmp_path / "a" / "b" / "c" / "d" / "models"
+    deep.mkdir(parents=True)
+    save_image(tmp_path / "secret.png")
+    save_image(deep.parent / "textures" / "inside.png")
+    (deep / "out.png").symlink_to(tmp_path / "secret.png")
+    (deep / "in.png").symlink_to(deep.parent / "textures" / "inside.png")
+    around = look_around(deep, "t")
+    assert around.find("in.png") is not None
+    assert around.find("out.png") is None

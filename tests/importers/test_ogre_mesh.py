@@ -9,12 +9,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from engine.core.errors import FormatError
+from engine.core.errors import FormatError, InputError
 from engine.core.findings import Findings, Severity
 from importers.model import ImportedModel
 from importers.ogre.data import OgreMesh
 from importers.ogre.mesh_binary import read_mesh
 from importers.ogre.mesh_xml import read_mesh_xml
+from importers.ogre.morphs import Morphs
 from importers.ogre.reader import load
 from importers.ogre.vertices import Buffer, Element, decode
 from importers.registry import find_importer
@@ -245,12 +246,15 @@ def test_poses_and_morphs_become_targets_and_weights(tmp_path: Path) -> None:
         assert weights[1] == pytest.approx(np.interp(time, [0, 1, 2], [0, 0.25, 0]), abs=1e-6)
 
 
-def test_morph_targets_stop_at_the_memory_limit(tmp_path: Path) -> None:
+def test_memory_limits(tmp_path: Path) -> None:
     path = tmp_path / "m.mesh.xml"
     path.write_text(MORPH_XML)
-    model = load(path, SETTINGS.replace(max_decoded_bytes=60))
-    assert len(model.meshes[0].morphs) == 1
-    assert "ogre.morph-limit" in codes(model)
+    with pytest.raises(InputError, match="the limit is 7"):
+        load(path, SETTINGS.replace(max_decoded_bytes=60))
+    findings = Findings()
+    morphs = Morphs(read_mesh_xml(MORPH_XML.encode(), "m", findings), findings, 60)
+    assert [target.name for target in morphs.targets] == ["up"]
+    assert {f.code for f in findings} >= {"ogre.morph-limit"}
 
 
 def test_xml_says_the_line() -> None:

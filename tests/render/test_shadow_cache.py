@@ -23,7 +23,8 @@ def build(stage, surface) -> int:
     """A floor under thirty cubes along -Z; the node of the first."""
     stage.look(kind="none", **SUN)
     stage.add(plane(80.0), surface(metallic=0.0))
-    return [stage.add(cube(), surface(metallic=0.0), (0.3 * i - 2.0, 0.5, -1.0 * i)) for i in range(30)][0]
+    nodes = [stage.add(cube(), surface(metallic=0.0), (0.3 * i - 2.0, 0.5, -1.0 * i)) for i in range(30)]
+    return nodes[0]
 
 
 @pytest.fixture

@@ -38,7 +38,7 @@ def grey(surface, *args, **params):
 
 def from_above(half: float, center: tuple[float, float, float] = (0.0, 0.0, 0.0), height: float = 50.0) -> Camera:
     """Straight down on the square of that half width; picture right is +X, picture down is +Z."""
-    eye = np.array(center) + (0.0, height, 0.0)
+    eye = np.add(center, (0.0, height, 0.0))
     return Camera(look_at(eye, center, (0.0, 0.0, -1.0)), znear=height * 0.01, zfar=height * 2, ymag=half)
 
 
@@ -145,18 +145,17 @@ def test_a_cube_on_the_floor_touches_its_shadow(stage, surface, filter, elevatio
 
 @pytest.mark.parametrize("offset", [(0.0, 0.0, 0.0), (1e6, 0.0, -1e6)])
 def test_moving_the_camera_by_less_than_a_texel_moves_no_shadow(stage, surface, offset) -> None:
-    """The camera goes by whole pixels of its own, each a part of a texel, across texels, squares' steps and the cells of
-    the origin: every point of the floor keeps its light."""
+    """The camera goes by whole pixels of its own, each a part of a texel, across texels, squares' steps and the
+    origin's cells: every point of the floor keeps its light."""
     sunny(stage)
-    offset = np.array(offset)
     stage.add(plane(40.0), grey(surface), tuple(offset))
     for i in range(5):
-        stage.add(cube(0.4), grey(surface), tuple(offset + (i * 0.9 - 2.0, 0.7, 0.35 * i - 0.7)))
+        stage.add(cube(0.4), grey(surface), tuple(np.add(offset, (i * 0.9 - 2.0, 0.7, 0.35 * i - 0.7))))
     half, pixels, steps, stride = 2.0, 120, 40, 2
     pixel = 2 * half / pixels
     wide, places, pictures = [], set(), []
     for i in range(steps):
-        camera = from_above(half, tuple(offset + (i * stride * pixel, 0.0, 0.0)), height=10.0)
+        camera = from_above(half, tuple(np.add(offset, (i * stride * pixel, 0.0, 0.0))), height=10.0)
         camera.znear = 5e-4  # cells of half a metre
         picture = brightness(stage, camera, (pixels, pixels), shadow_filter="pcf", shadow_size=64, shadow_cascades=1)
         wide.append(cascades(stage)[0].half_width)

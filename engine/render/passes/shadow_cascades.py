@@ -1,4 +1,4 @@
-"""Depth of the scene as the first sun sees it: one layer per cascade. A layer whose key is the last one is not drawn."""
+"""Depth of the scene as the first sun sees it, a layer per cascade. A layer whose key is the last one is not drawn."""
 
 from __future__ import annotations
 

@@ -1,10 +1,10 @@
 """How far a receiver is lifted before it looks into the map: float64 twin of `receiver` in shaders/lib/shadows.glsl.
 
-A flat receiver at angle theta to the sun covers one map texel with depths that differ by tan(theta) texels. A lookup that
-reaches `reach` texels from the point must therefore lift the point by reach * tan(theta) along the light, which is
+A flat receiver at angle theta to the sun covers one map texel with depths that differ by tan(theta) texels. A lookup
+that reaches `reach` texels from the point must therefore lift the point by reach * tan(theta) along the light, which is
 reach * sin(theta) along the normal: finite at every angle, and scale-free as it counts texels of the cascade in metres.
-Taps of a filter follow the receiver's plane (Isidoro 2006, "Shadow mapping: GPU-based tips and techniques", slide 39), up
-to a slope of MAX_SLOPE; the normal offset then only has to hold for what is left.
+Taps of a filter follow the receiver's plane (Isidoro 2006, "Shadow mapping: GPU-based tips and techniques"), up to a
+slope of MAX_SLOPE; the normal offset then only has to hold for what is left.
 """
 
 from __future__ import annotations

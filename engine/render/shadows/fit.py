@@ -1,4 +1,4 @@
-"""Cascades: squares in light space around what the view shows of the scene, on a grid that stands still in the world."""
+"""Cascades: squares in light space around what the view shows, on a grid that stands still in the world."""
 
 from __future__ import annotations
 
@@ -42,23 +42,35 @@ class Cascade:
 
 
 @dataclass(frozen=True, slots=True)
-class Spheres:
-    """Bounding spheres: `center` f8[n,3] in light space, `radius` f8[n], `depth` f8[n] along the view."""
+class Boxes:
+    """Bounding spheres as boxes: `low`, `high` f8[3,n] in light space; `near`, `far` f8[n] view depths (receivers)."""
 
-    center: F8
-    radius: F8
-    depth: F8
+    low: F8
+    high: F8
+    near: F8
+    far: F8
+
+    def __len__(self) -> int:
+        return len(self.low[0])
 
 
-def view_range(camera: Camera, receivers: Spheres, distance: float) -> tuple[float, float] | None:
+def boxes_of(center: F8, radius: F8, axes: F8, eye: F8 | None = None, forward: F8 | None = None) -> Boxes:
+    """Boxes around world spheres `center` [n,3], `radius` [n]; with view depths where `eye` and `forward` are given."""
+    at = axes @ center.T
+    depth = np.zeros(0) if eye is None or forward is None else (center - eye) @ forward
+    reach = radius if len(depth) else np.zeros(0)
+    return Boxes(at - radius, at + radius, depth - reach, depth + reach)
+
+
+def view_range(camera: Camera, receivers: Boxes, distance: float) -> tuple[float, float] | None:
     """Nearest and furthest view depth of the receivers; None where none is in front of the camera.
 
     `distance` > 0 is the furthest that shadows are wanted.
     """
-    if len(receivers.radius) == 0:
+    if len(receivers) == 0:
         return None
-    near = max(float((receivers.depth - receivers.radius).min()), camera.znear)
-    far = float((receivers.depth + receivers.radius).max())
+    near = max(float(receivers.near.min()), camera.znear)
+    far = float(receivers.far.max())
     if distance > 0.0:
         far = min(far, distance)
     if camera.ymag > 0.0:
@@ -67,7 +79,7 @@ def view_range(camera: Camera, receivers: Spheres, distance: float) -> tuple[flo
 
 
 def fit_cascades(
-    camera: Camera, aspect: float, axes: F8, receivers: Spheres, casters: Spheres, *,
+    camera: Camera, aspect: float, axes: F8, receivers: Boxes, casters: Boxes, *,
     count: int, size: int, weight: float, distance: float,
 ) -> list[Cascade]:  # fmt: skip
     """At most `count` cascades of `size` texels, each within the next; none where nothing can be in shadow.
@@ -76,7 +88,7 @@ def fit_cascades(
     gain nothing over the next are left out, and a picture never depends on which cascade a pixel reads.
     """
     depths = view_range(camera, receivers, distance)
-    if depths is None or len(casters.radius) == 0:
+    if depths is None or len(casters) == 0:
         return []
     near, far = depths
     found: list[Cascade] = []
@@ -88,17 +100,16 @@ def fit_cascades(
 
 
 def _around(
-    camera: Camera, aspect: float, axes: F8, receivers: Spheres, casters: Spheres, near: float, far: float, size: int
+    camera: Camera, aspect: float, axes: F8, receivers: Boxes, casters: Boxes, near: float, far: float, size: int
 ) -> Cascade | None:
     """The square around what is both in the view up to `far` and in a receiver's bounds; None when nothing is."""
     center, radius = slice_sphere(camera, aspect, near, far)
     middle = axes @ center
-    inside = receivers.depth - receivers.radius <= far
+    inside = receivers.near <= far
     if not inside.any():
         return None
-    reach = receivers.radius[inside, None]
-    low = np.maximum((receivers.center[inside] - reach).min(axis=0), middle - radius)
-    high = np.minimum((receivers.center[inside] + reach).max(axis=0), middle + radius)
+    low = np.maximum(receivers.low[:, inside].min(axis=1), middle - radius)
+    high = np.minimum(receivers.high[:, inside].max(axis=1), middle + radius)
     if not (np.isfinite(low).all() and np.isfinite(high).all() and (high >= low).all()):
         return None
     spot = (low + high) / 2
@@ -109,8 +120,8 @@ def _around(
     x, y = np.round(spot[:2] / step) * step
     # Depth has no texels to keep still; its ends are rounded only so that a cascade stays equal to itself.
     rung = half_width / 2
-    top = min(float((casters.center[:, 2] + casters.radius).max()), float(high[2]) + DEPTH_REACH * half_width)
-    bottom = max(float((receivers.center[:, 2] - receivers.radius).min()), float(low[2]) - DEPTH_REACH * half_width)
+    top = min(float(casters.high[2].max()), float(high[2]) + DEPTH_REACH * half_width)
+    bottom = max(float(receivers.low[2].min()), float(low[2]) - DEPTH_REACH * half_width)
     top = max(top, bottom)
     return Cascade(
         float(x), float(y), half_width, (math.floor(bottom / rung) - 1) * rung, (math.ceil(top / rung) + 1) * rung,
@@ -124,10 +135,11 @@ def _rounded_up(value: float) -> float:
     return float(2.0 ** (math.ceil(octave - 1e-9) / STEPS_PER_OCTAVE))
 
 
-def casts_into(cascade: Cascade, casters: Spheres) -> NDArray[np.bool_]:
+def casts_into(cascade: Cascade, casters: Boxes) -> NDArray[np.bool_]:
     """bool[n]: which casters may darken something in the cascade: above its bottom, over its square, however far away
     towards the sun, also behind the camera."""
-    off = np.abs(casters.center[:, :2] - (cascade.x, cascade.y)) - casters.radius[:, None]
-    result: NDArray[np.bool_] = (off <= cascade.half_width).all(axis=1)
-    result &= casters.center[:, 2] + casters.radius >= cascade.bottom
+    result: NDArray[np.bool_] = casters.high[2] >= cascade.bottom
+    for axis, middle in enumerate((cascade.x, cascade.y)):
+        result &= casters.high[axis] >= middle - cascade.half_width
+        result &= casters.low[axis] <= middle + cascade.half_width
     return result

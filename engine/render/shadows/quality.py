@@ -8,6 +8,18 @@ from dataclasses import dataclass
 FILTERS = ("none", "pcf", "vogel8", "vogel16", "pcss")
 
 
+#: what a view may ask for: `auto` is what the device can afford
+FILTER_CHOICES = ("auto", *FILTERS)
+
+
+def filter_for(choice: str, *, software: bool) -> str:
+    """The filter of FILTERS that `choice` means: a software rasteriser pays about as much for each lookup as for all
+    the rest of a pixel, so there one hardware-style lookup is what `auto` gives."""
+    if choice != "auto":
+        return choice
+    return "pcf" if software else "vogel8"
+
+
 @dataclass(frozen=True, slots=True)
 class ShadowQuality:
     """`size` texels square, `cascades` layers, `filter` of FILTERS."""

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 def practical_splits(near: float, far: float, count: int, weight: float) -> NDArray[np.float64]:
     """Distances f8[count + 1] from `near` to `far` (metres along the view), strictly increasing.
 
-    Zhang, Sun, Xu and Lun 2006, "Parallel-split shadow maps for large-scale virtual environments", eq. 4: `weight` (their
+    Zhang, Sun, Xu and Lun 2006, "Parallel-split shadow maps for large-scale virtual environments": `weight` (their
     lambda) mixes the logarithmic cut, which keeps a texel's size on the screen, with the even one. A depth range that
     is empty, reversed or not finite gives the least range that float64 can cut.
     """

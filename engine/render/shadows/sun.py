@@ -7,8 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.render.light_rows import LightRows
-from engine.render.shadows.fit import Cascade, Spheres, casts_into, fit_cascades
+from engine.render.shadows.fit import Boxes, Cascade, boxes_of, casts_into, fit_cascades
 from engine.render.shadows.light_space import light_from_world
 from engine.render.view import View
 from engine.render.view_block import MAX_CASCADES
@@ -23,6 +22,17 @@ EVERYWHERE = 1e30
 
 
 @dataclass(slots=True)
+class _Casters:
+    """What does not change with the camera: the `rows` of what casts, its boxes, and when each moved last."""
+
+    key: tuple[object, ...]
+    mask: NDArray[np.bool_]
+    rows: NDArray[np.intp]
+    boxes: Boxes
+    moved: NDArray[np.uint32]
+
+
+@dataclass(slots=True)
 class SunShadows:
     """`cascades` from small to large; `casters` bool[cascades, instances]; `keys`: equal keys are equal maps."""
 
@@ -31,12 +41,14 @@ class SunShadows:
     casters: NDArray[np.bool_] = field(default_factory=lambda: np.zeros((0, 0), np.bool_))
     keys: list[tuple[object, ...]] = field(default_factory=list)
     _seen: tuple[object, ...] = ()
+    _drawn: tuple[object, ...] = ()
+    _casters: _Casters | None = None
 
     def update(
         self, scene: Scene, view: View, direction: NDArray[np.floating] | None, visible: NDArray[np.bool_],
         casting: NDArray[np.bool_], receiving: NDArray[np.bool_], state: tuple[object, ...],
     ) -> bool:  # fmt: skip
-        """Fit the cascades; True when they or their casters are not those of the last call.
+        """Fit the cascades; True when what casts into them is not what it was at the last call.
 
         `direction`: where the sun shines, None for no shadows. bool[instances]: `visible` in the view, `casting`,
         `receiving`. `state`: whatever else changes what casters look like (materials, programs, structure).
@@ -57,28 +69,32 @@ class SunShadows:
             self.casters = np.zeros((0, len(visible)), np.bool_)
             return True
         self.axes = light_from_world(direction)
-        casters = self._spheres(scene, camera.position, -camera.world_from_camera[:3, 2], casting)
-        receivers = self._spheres(scene, camera.position, -camera.world_from_camera[:3, 2], receiving & visible)
+        same = (id(scene), scene.transform_rev, scene.instances.bounds_rev, direction.tobytes(), state)
+        if self._casters is None or self._casters.key != same or not np.array_equal(self._casters.mask, casting):
+            self._casters = _Casters(same, casting.copy(), *_sound(scene, casting, self.axes))
+        casters, rows, moved = self._casters.boxes, self._casters.rows, self._casters.moved
+        table = scene.instances
+        shown = np.flatnonzero(receiving & visible)
+        shown = shown[np.isfinite(table.world_center[shown]).all(axis=1) & np.isfinite(table.world_radius[shown])]
+        receivers = boxes_of(
+            table.world_center[shown], table.world_radius[shown].astype(np.float64), self.axes,
+            camera.position, -camera.world_from_camera[:3, 2],
+        )  # fmt: skip
         self.cascades = fit_cascades(
             camera, view.aspect, self.axes, receivers, casters, count=settings.shadow_cascades,
             size=settings.shadow_size, weight=settings.shadow_split, distance=settings.shadow_distance,
         )  # fmt: skip
-        rows = np.flatnonzero(casting & _finite(scene))
+        before = self.casters
         self.casters = np.zeros((len(self.cascades), len(visible)), np.bool_)
-        moved = _last_moved(scene, rows)
         self.keys = []
         for mask, cascade in zip(self.casters, self.cascades, strict=True):
             inside = casts_into(cascade, casters)
             mask[rows] = inside
             rev = int(moved[inside].max(initial=0))
             self.keys.append((id(scene), cascade, direction.tobytes(), np.packbits(mask).tobytes(), rev, state))
-        return True
-
-    def _spheres(self, scene: Scene, eye: F8, forward: F8, wanted: NDArray[np.bool_]) -> Spheres:
-        table = scene.instances
-        rows = np.flatnonzero(wanted & _finite(scene))
-        center = table.world_center[rows]
-        return Spheres(center @ self.axes.T, table.world_radius[rows].astype(np.float64), (center - eye) @ forward)
+        changed = state != self._drawn or not np.array_equal(before, self.casters)
+        self._drawn = state
+        return changed
 
     # --- for the GPU ---
 
@@ -97,7 +113,7 @@ class SunShadows:
         settings = view.settings
         row["shadow_axes"][:, :3] = self.axes
         at = self.axes @ origin
-        cascades = self.cascades or ([Cascade(*at[:2], EVERYWHERE, *_ends(at[2]), 0.0)] if everywhere else [])
+        cascades = self.cascades or ([_everywhere(at)] if everywhere else [])
         for i, c in enumerate(cascades[:MAX_CASCADES]):
             row["shadow_cascades"][2 * i] = (c.x - at[0], c.y - at[1], 1.0 / c.half_width, c.texel)
             row["shadow_cascades"][2 * i + 1] = (c.bottom - at[2], 1.0 / (c.top - c.bottom), c.half_width, 0.0)
@@ -109,14 +125,17 @@ class SunShadows:
         row["shadow_fade"] = (far * FADE, 1.0 / (far * (1.0 - FADE)), 0.0, 0.0)
 
 
-def _ends(z: float) -> tuple[float, float]:
-    return z - EVERYWHERE, z + EVERYWHERE
+def _everywhere(at: F8) -> Cascade:
+    return Cascade(float(at[0]), float(at[1]), EVERYWHERE, float(at[2]) - EVERYWHERE, float(at[2]) + EVERYWHERE, 0.0)
 
 
-def _finite(scene: Scene) -> NDArray[np.bool_]:
+def _sound(scene: Scene, wanted: NDArray[np.bool_], axes: F8) -> tuple[NDArray[np.intp], Boxes, NDArray[np.uint32]]:
+    """Rows of `wanted` whose bounds are finite, their boxes, when they moved."""
     table = scene.instances
-    result: NDArray[np.bool_] = np.isfinite(table.world_center).all(axis=1) & np.isfinite(table.world_radius)
-    return result
+    finite = np.isfinite(table.world_center).all(axis=1) & np.isfinite(table.world_radius)
+    rows = np.flatnonzero(wanted & finite)
+    boxes = boxes_of(table.world_center[rows], table.world_radius[rows].astype(np.float64), axes)
+    return rows, boxes, _last_moved(scene, rows)
 
 
 def _last_moved(scene: Scene, rows: NDArray[np.intp]) -> NDArray[np.uint32]:

@@ -112,6 +112,7 @@ def profile(result: Result) -> str:
             fig.polyline(line, f"line {css}", _DASHES[i % len(_DASHES)])
             for x, y in line:
                 if _drawable(y):
+                    fig.reserve(fig.x(x), fig.y(y), 3)
                     fig.add(marker(names.index(name), fig.x(x), fig.y(y), f"dot {css}", 3.0))
                 elif not math.isfinite(y):
                     _cross(fig, fig.x(x), css, f"{name}: not finite")
@@ -240,7 +241,8 @@ def _beside(fig: Figure, points: Sequence[tuple[float, float]], slope: float, te
             line.append((10**x, 10**y))
     fig.polyline(line, "slope")
     for x, y in itertools.islice(line, len(line) // 3, None, 4):
-        if fig.note(fig.x(x), fig.y(y) - 4, text):
+        # above the line, whichever way it goes
+        if fig.note(fig.x(x), fig.y(y) - 2, text, left=slope > 0.0):
             break
 
 

@@ -128,6 +128,7 @@ def _footer() -> str:
     return (
         '<p class="foot">Times of one figure are from one device. A default counts as beaten only where another setting'
         " is no slower and less wrong, or faster and no more wrong, with 95 % confidence (bootstrap over paired runs)."
-        " Crosses at a figure’s top edge: the result was not finite. Errors and times of every point also stand in"
+        " Gain per ms: the error that a point removes against the next cheaper one of the front, over the time it takes"
+        " more. Crosses at a figure’s top edge: the result was not finite. Errors and times of all points also stand in"
         " report.json.</p>"
     )

@@ -75,6 +75,6 @@ svg .note{paint-order:stroke;stroke:var(--plot);stroke-width:3px;
 @media print{:root{color-scheme:light}@page{margin:16mm 14mm}
  body{max-width:none;padding:0;font-size:10.5pt} section{break-inside:auto;margin-top:26px;padding-top:18px}
  h2,h3,dl.about{break-after:avoid} tr,figure{break-inside:avoid} .scroll{overflow:visible}
- .figures{grid-template-columns:1fr 1fr} nav{display:none} table{font-size:8.5pt} a{text-decoration:none}}
+ .figures{grid-template-columns:1fr 1fr} table{font-size:8.5pt} a{text-decoration:none}}
 """
 )

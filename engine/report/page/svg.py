@@ -77,10 +77,12 @@ class Figure:
         """Keep text away from a marker."""
         self.boxes.append((x - size, y - size, 2 * size, 2 * size))
 
-    def note(self, x: float, y: float, text: str, css: str = "note") -> bool:
-        """A small text beside (x, y) in pixels, where there is room; else none."""
+    def note(self, x: float, y: float, text: str, css: str = "note", *, left: bool = False) -> bool:
+        """A small text beside (x, y) in pixels, where there is room (`left`: rather on that side); else none."""
         width = 5.4 * len(text)
-        places = ((8, -5), (8, 11), (-8 - width, -5), (-8 - width, 11), (-width / 2, -11), (-width / 2, 19))
+        places = [(8, -5), (8, 11), (-8 - width, -5), (-8 - width, 11), (-width / 2, -11), (-width / 2, 19)]
+        if left:
+            places = [*places[2:], *places[:2]]
         for dx, dy in places:
             if self.take(x + dx, y + dy - 8, width, 10):
                 self.add(f'<text class="{css}" x="{x + dx:.1f}" y="{y + dy:.1f}">{escape(text)}</text>')

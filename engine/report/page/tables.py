@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+
+from engine.report.front import gain
 from engine.report.page.text import escape, knobs, milliseconds, plain, scientific
 from engine.report.records import OrderResult, Point, Report, Result, Table
 
@@ -33,8 +36,10 @@ def points(result: Result) -> str:
     timed = any(p.ms for p in result.points)
     head = "".join(f"<th>{escape(n.replace('_', ' '))}</th>" for n in names)
     head += "".join(f'<th class="r">{escape(n.replace("_", " "))}</th>' for n in errors)
-    head += '<th class="r">ms</th><th class="r">IQR</th><th class="r">n</th>' if timed else ""
-    head += "".join(f'<th class="r">{escape(n)}</th>' for n in extras) + ("<th>front</th>" if timed else "")
+    head += '<th class="r">ms</th><th class="r">IQR</th><th class="r">runs</th>' if timed else ""
+    head += "".join(f'<th class="r">{escape(n)}</th>' for n in extras)
+    head += '<th>front</th><th class="r">gain per ms</th>' if timed else ""
+    gains = _gains(result)
     rows = []
     for p in result.points:
         cells = "".join(f"<td>{escape(plain(p.knobs.get(n, '')))}</td>" for n in names)
@@ -44,6 +49,7 @@ def points(result: Result) -> str:
         cells += "".join(f'<td class="r">{escape(_value(p.extra.get(n, "")))}</td>' for n in extras)
         if timed:
             cells += f"<td>{'●' if p.front else ''}</td>"
+            cells += f'<td class="r">{scientific(gains[id(p)]) if id(p) in gains else ""}</td>'
         rows.append(f'<tr class="default">{cells}</tr>' if is_default(p, result) else f"<tr>{cells}</tr>")
     return f'<div class="scroll"><table><tr>{head}</tr>{"".join(rows)}</table></div>'
 
@@ -80,6 +86,13 @@ def order_text(order: OrderResult) -> str:
 
 def _orders_text(orders: list[OrderResult]) -> str:
     return "<br>".join(f"{order_text(o)} <span class='soft'>{escape(o.curve)}</span>" for o in orders) or "–"
+
+
+def _gains(result: Result) -> dict[int, float]:
+    """Of points on the front: the error that another millisecond removed, against the next cheaper one there."""
+    front = [p for p in result.points if p.front and p.ms is not None]
+    values = gain([p.ms.median for p in front if p.ms], [p.error[result.metric] for p in front])
+    return {id(p): float(g) for p, g in zip(front, values, strict=True) if math.isfinite(g)}
 
 
 def _time_cells(point: Point) -> str:

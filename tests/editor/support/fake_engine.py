@@ -31,6 +31,7 @@ class Settings(ParamBlock):
 
 EFFECT = SimpleNamespace(
     name="surface",
+    files=(),
     params=(
         Param("base_color", "color4", (1.0, 1.0, 1.0, 1.0), 0.0, 1.0, doc="colour of the surface"),
         Param("roughness", "float", 1.0, 0.0, 1.0, doc="0 is a mirror"),

@@ -15,7 +15,7 @@ ROOT = Path(__file__).resolve().parents[3]
 sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "editor" / "support")]
 
 import numpy as np  # noqa: E402  (the path is set above)
-from imgui_bundle import hello_imgui, immapp  # noqa: E402
+from imgui_bundle import hello_imgui, imgui, immapp  # noqa: E402
 from imgui_bundle.immapp import testing  # noqa: E402
 from small_scene import write_small_scene  # noqa: E402
 
@@ -130,6 +130,40 @@ def run(folder: Path) -> dict[str, Any]:
             said["mended"] = until(ctx, lambda: not session.shaders.problems)
             said["same_after"] = bool((picture(ctx) == good).all())
             seen["mistakes"][name] = said
+
+        # typed into the text field, undone by its own undo, saved by Ctrl+S, which then is not the scene's
+        front = session.code.open(folder / FRAG, 1, 1)
+        ctx.yield_(4)
+        ctx.key_chars("// typed ")
+        ctx.yield_(3)
+        seen["typed"] = (front.text.startswith("// typed // The"), front.dirty, document.history.revision)
+        ctx.key_press(imgui.Key.mod_ctrl | imgui.Key.z, 9)
+        ctx.yield_(3)
+        seen["typing_undone"] = (front.text == text, front.dirty, document.history.revision)
+        ctx.key_chars("/**/")
+        ctx.yield_(2)
+        ctx.key_press(imgui.Key.mod_ctrl | imgui.Key.s)
+        ctx.yield_(3)
+        seen["saved_by_key"] = ((folder / FRAG).read_text(encoding="utf-8").startswith("/**/"), front.dirty, document.dirty)
+        front.put(text)
+        do(ctx, session.save_code)
+
+        # completion: Ctrl+Space after `m.rough`
+        front = session.code.open(folder / FRAG)
+        front.put(text.replace("s.metallic = m.metallic;", "s.metallic = m.metallic; m.rough", 1))
+        line = front.text[: front.text.index("; m.rough")].count("\n") + 1
+        column = len(front.text.split("\n")[line - 1]) + 1
+        ctx.yield_(3)
+        session.code.cursor = (line, column)
+        ctx.yield_(4)
+        ctx.key_press(imgui.Key.mod_ctrl | imgui.Key.space)
+        ctx.yield_(4)
+        seen["completion_open"] = bool(imgui.is_popup_open("", imgui.PopupFlags_.any_popup))
+        ctx.key_press(imgui.Key.enter)
+        ctx.yield_(4)
+        seen["completed"] = front.text.split("\n")[line - 1].endswith("m.roughness")
+        front.put(text)
+        do(ctx, session.save_code)
 
         # unsaved changes here, and another program's: nothing is overwritten until the user says which
         front = session.code.open(folder / FRAG)

@@ -9,22 +9,21 @@ import pytest
 
 from engine.math.transform import look_at
 from engine.render.camera import Camera
-from engine.render.shadows.fit import GRID, MARGIN, WORTHWHILE, Cascade, Spheres, casts_into, fit_cascades
+from engine.render.shadows.fit import GRID, MARGIN, WORTHWHILE, Boxes, Cascade, boxes_of, casts_into, fit_cascades
 from engine.render.shadows.light_space import light_from_world
 
 SUN = (0.4, -1.0, 0.2)
 ASPECT = 1.5
 
 
-def spheres(camera: Camera, axes: np.ndarray, centers: np.ndarray, radii: np.ndarray) -> Spheres:
+def boxes(camera: Camera, axes: np.ndarray, centers: np.ndarray, radii: np.ndarray) -> Boxes:
     centers = np.asarray(centers, np.float64).reshape(-1, 3)
-    depth = (centers - camera.position) @ -camera.world_from_camera[:3, 2]
-    return Spheres(centers @ axes.T, np.asarray(radii, np.float64), depth)
+    return boxes_of(centers, np.asarray(radii, np.float64), axes, camera.position, -camera.world_from_camera[:3, 2])
 
 
 def fit(camera: Camera, centers: object, radii: object, sun: object = SUN, **options: float) -> list[Cascade]:
     axes = light_from_world(sun)
-    bodies = spheres(camera, axes, np.asarray(centers, np.float64), np.asarray(radii, np.float64))
+    bodies = boxes(camera, axes, np.asarray(centers, np.float64), np.asarray(radii, np.float64))
     given = {"count": 3, "size": 1024, "weight": 0.8, "distance": 0.0, **options}
     return fit_cascades(camera, ASPECT, axes, bodies, bodies, **given)  # type: ignore[arg-type]  # ints among them
 
@@ -39,8 +38,8 @@ CAMERA = Camera(look_at((0.0, 2.0, 10.0), (3.0, 1.0, -40.0)), 0.9, znear=0.1)
 
 def test_nothing_seen_or_nothing_that_casts_gives_no_cascade() -> None:
     axes = light_from_world(SUN)
-    none = spheres(CAMERA, axes, np.zeros((0, 3)), np.zeros(0))
-    some = spheres(CAMERA, axes, np.zeros((1, 3)), np.ones(1))
+    none = boxes(CAMERA, axes, np.zeros((0, 3)), np.zeros(0))
+    some = boxes(CAMERA, axes, np.zeros((1, 3)), np.ones(1))
     options = {"count": 3, "size": 1024, "weight": 0.8, "distance": 0.0}
     assert fit_cascades(CAMERA, ASPECT, axes, none, some, **options) == []  # type: ignore[arg-type]
     assert fit_cascades(CAMERA, ASPECT, axes, some, none, **options) == []  # type: ignore[arg-type]
@@ -73,7 +72,7 @@ def test_cascades_grow_and_small_gains_are_left_out() -> None:
 
 
 def test_a_cascade_moves_in_whole_texels_and_rarely() -> None:
-    """Walking 2.7 m in steps of a seventh of a texel: the squares stay, or jump by whole texels of an unchanged grid."""
+    """Walking 2.7 m in steps of a seventh of a texel: squares stay, or jump by whole texels of an unchanged grid."""
     centers, radii = street()
     before = fit(CAMERA, centers, radii)
     step, changes = before[0].texel / 7 * np.array([0.6, 0.0, -0.8]), 0
@@ -117,13 +116,17 @@ def test_scale_changes_nothing_but_the_scale(scale: float) -> None:
 def test_what_only_stands_towards_the_sun_casts_too() -> None:
     cascade = Cascade(0.0, 0.0, 10.0, -5.0, 5.0, 0.01)
     centers = [[0, 0, 0], [0, 0, 1e5], [0, 0, -7], [0, 0, -5.5], [11, 0, 0], [10.5, 0, 0], [0, -30, 0]]
-    bodies = Spheres(np.array(centers, np.float64), np.full(7, 0.9), np.zeros(7))
+    bodies = boxes_of(np.array(centers, np.float64), np.full(7, 0.9), np.eye(3))
     assert casts_into(cascade, bodies).tolist() == [True, True, False, True, False, True, False]
 
 
 @pytest.mark.parametrize("sun", [(0, -1, 0), (1, 0, 0), (0, 1, 0), (1e-7, -1, 0)])
-@pytest.mark.parametrize("bodies", [([[0, 0, 0]], [0.0]), ([[0, 0, -1e6]], [10.0]), ([[0, 1, 0], [0, 0, -1e6]], [1, 1])])
-def test_extreme_scenes_give_finite_cascades(sun: tuple[float, ...], bodies: tuple[list[list[float]], list[float]]) -> None:
+@pytest.mark.parametrize(
+    "bodies", [([[0, 0, 0]], [0.0]), ([[0, 0, -1e6]], [10.0]), ([[0, 1, 0], [0, 0, -1e6]], [1, 1])]
+)
+def test_extreme_scenes_give_finite_cascades(
+    sun: tuple[float, ...], bodies: tuple[list[list[float]], list[float]]
+) -> None:
     camera = Camera(look_at((0.0, 2.0, 10.0), (0.0, 1.0, -40.0)), 0.9, znear=1e-3)
     cascades = fit(camera, *bodies, sun=sun, count=4)
     assert cascades
