@@ -77,7 +77,7 @@ def check_arguments(args: argparse.Namespace) -> None:
         raise UsageError(f"--fps {args.fps:g}", hint="frames per second, more than 0")
     if args.turntable < 0 or args.turntable > MOST_FRAMES:
         raise UsageError(f"--turntable {args.turntable}", hint=f"1 to {MOST_FRAMES} pictures")
-    if args.turntable and (args.camera not in ("", "auto") or getattr(args, "eye", "")):
+    if args.turntable and (args.camera not in ("", "auto") or args.eye):
         raise UsageError("--turntable has its own camera", hint="choose its direction with --orbit")
     if args.frames and args.frames != "all":
         _range(args.frames)
@@ -168,9 +168,8 @@ def _cameras(
 
     node = runtime.asset.active_camera
     has_own = 0 <= node < len(runtime.asset.nodes) and runtime.asset.nodes[node].camera is not None
-    chosen = (
-        args.camera not in ("", "auto") or getattr(args, "eye", "") or (has_own and not args.orbit and not args.camera)
-    )
+    explicit = args.camera not in ("", "auto") or bool(args.eye)
+    chosen = explicit or (has_own and not args.orbit and not args.camera)
     if plan.turns is None and chosen:
         return lambda _: camera(aspect)  # it may be animated itself
     if plan.turns is None and args.orbit:

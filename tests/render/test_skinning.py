@@ -110,3 +110,20 @@ def test_removing_a_joint_removes_the_skin(null_stage) -> None:
     null_stage.runtime.scene.update()
     assert len(null_stage.runtime.scene.skins) == 0
     null_stage.runtime.render(null_stage.view())
+
+
+def test_a_skin_that_follows_its_node_moves_with_it(null_stage) -> None:
+    """Bound where its node stood at x = 1; the node went to x = 3, so every vertex goes along by 2."""
+    scene = null_stage.runtime.scene
+    joints = [scene.nodes.add("a"), scene.nodes.add("b")]
+    mesh = _skinned(cube(), np.zeros(24))
+    node = null_stage.add(mesh)
+    bind_world = np.eye(4)
+    bind_world[0, 3] = 1.0
+    scene.skins.add(node, joints, mesh.skeleton.inverse_bind, [1.0, 1.0], bind_world)
+    scene.nodes.set_translation([node], [(3.0, 0.0, 0.0)])
+    scene.update()
+    row = int(np.flatnonzero(scene.instances.node == node)[0])
+    posed = posed_positions(scene, null_stage.runtime.residency, row)
+    assert posed[:, 0].min() == pytest.approx(1.5, abs=1e-4)
+    assert scene.skins.palette(np.zeros(3))[0, 0, 3] == pytest.approx(2.0)
