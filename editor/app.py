@@ -53,6 +53,7 @@ class App:
         self._start = time.monotonic()
         self._settled = 0
         self._wheeled = -1e9
+        self._focus = ""
         self.params = self._make_params(size, remember_layout)
 
     def run(self) -> None:
@@ -193,6 +194,9 @@ class App:
         flags = (
             imgui.WindowFlags_.no_scrollbar | imgui.WindowFlags_.no_scroll_with_mouse | imgui.WindowFlags_.no_collapse
         )
+        if self._focus == panel.title:
+            self._focus = ""
+            imgui.set_next_window_focus()
         imgui.push_style_var(imgui.StyleVar_.window_padding, (0, 0))
         shown = imgui.begin(panel.label, None, flags)[0]
         imgui.pop_style_var()
@@ -236,6 +240,7 @@ class App:
             if panel.title == title:
                 window.is_visible = True
                 window.focus_window_at_next_frame = True
+                self._focus = "" if panel.padded else title  # one that begins its own window takes the focus itself
 
     def _count_frames(self) -> None:
         """Leave after `frames` frames that show what was asked for."""

@@ -38,11 +38,16 @@ class Grip:
     local: tuple[tuple[Any, ...], ...]
 
 
+def held_rows(document: Document) -> tuple[int, ...]:
+    """The selection's topmost nodes that are not locked: what a drag moves."""
+    return tuple(row for row in tops(document, document.selection) if row not in document.locked)
+
+
 def pivot_of(document: Document, rows: tuple[int, ...], *, local: bool) -> F8:
     """Rigid f8[4,4]: in the middle of the nodes, turned as the last selected one or as the world."""
     nodes = document.runtime.scene.nodes
     pivot = np.eye(4)
-    pivot[:3, 3] = np.mean([nodes.world_matrix(row)[:3, 3] for row in rows], axis=0)
+    pivot[:3, 3] = nodes.world[list(rows), :, 3].mean(axis=0)
     if local:
         _t, q, _s = transform.decompose(nodes.world_matrix(rows[-1]))
         pivot[:3, :3] = transform.compose(np.zeros(3), q, np.ones(3))[:3, :3]
@@ -50,8 +55,8 @@ def pivot_of(document: Document, rows: tuple[int, ...], *, local: bool) -> F8:
 
 
 def begin(document: Document, *, local: bool) -> Grip | None:
-    """Take hold of the selection (its topmost nodes that are not locked); None when there is nothing to hold."""
-    rows = tuple(row for row in tops(document, document.selection) if row not in document.locked)
+    """Take hold of the selection; None when there is nothing to hold."""
+    rows = held_rows(document)
     if not rows:
         return None
     nodes = document.runtime.scene.nodes

@@ -9,6 +9,7 @@ from imgui_bundle import imgui, imguizmo
 from numpy.typing import NDArray
 
 from editor import gizmo
+from editor.document import Document
 from editor.gizmo import Grip
 from editor.ui import Ui
 
@@ -27,6 +28,8 @@ class GizmoWidget:
         self._start: NDArray[np.float64] = np.eye(4)
         self._held: NDArray[np.float64] = np.eye(4)
         self._serial = 0
+        self._rows_key: object = None
+        self._rows: tuple[int, ...] = ()
 
     def draw(self, ui: Ui, x: float, y: float, width: float, height: float, *, blocked: bool) -> None:
         """Over a picture at (x, y), inside its window. `blocked`: another gesture has the pointer."""
@@ -35,13 +38,13 @@ class GizmoWidget:
         if document is None or mode not in OPERATIONS or not document.selection:
             self._let_go(ui)
             return
-        grip = self._grip if self._grip is not None and self.using else gizmo.begin(document, local=_local(ui))
-        if grip is None or not np.isfinite(grip.pivot).all():
+        pivot = self._grip.pivot if self.using and self._grip is not None else self._pivot(ui, document)
+        if pivot is None or not np.isfinite(pivot).all():
             self._let_go(ui)
             return
         camera = session.camera
         view, clip = gizmo.camera_matrices(camera, width / max(height, 1.0))
-        held = grip.pivot if not self.using else self._held
+        held = pivot if not self.using else self._held
         relative = held.copy()
         relative[:3, 3] -= camera.eye()
         matrix = _to_widget(relative)
@@ -58,7 +61,8 @@ class GizmoWidget:
         )
         using = bool(_g.is_using())
         if using and not self.using:
-            self._grip, self._start = grip, _from_widget(_to_widget(relative))
+            self._grip = gizmo.begin(document, local=_local(ui))
+            self._start = _from_widget(_to_widget(relative))
             self._serial += 1
         self.busy = using or (bool(_g.is_over()) and not blocked)
         self.using = using
@@ -70,6 +74,13 @@ class GizmoWidget:
         if not using and self._grip is not None:
             self._grip = None
             session.end_gesture()
+
+    def _pivot(self, ui: Ui, document: Document) -> NDArray[np.float64] | None:
+        """Where the handles stand; which rows they hold is found again only when the selection or the tree changed."""
+        key = (document.selection, frozenset(document.locked), int(document.runtime.scene.structure_rev))
+        if key != self._rows_key:
+            self._rows_key, self._rows = key, gizmo.held_rows(document)
+        return gizmo.pivot_of(document, self._rows, local=_local(ui)) if self._rows else None
 
     def _apply(self, ui: Ui, grip: Grip, now: NDArray[np.float64], mode: str) -> None:
         """`now`, `_start`: the pivot relative to the eye, both as the widget rounds them."""

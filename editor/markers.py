@@ -11,7 +11,7 @@ from editor.document import Document
 from editor.widgets import em
 
 #: no more signs than these: a thousand lamps are a fog of signs
-LIMIT = 500
+LIMIT = 200
 REACH = 0.8
 
 
@@ -52,8 +52,7 @@ def _signs(document: Document) -> tuple[list[int], list[str]]:
         for row in table.node[table.alive][:LIMIT].tolist():
             if visible[row]:
                 found[row] = icon
-    meshes = set(scene.instances.node[scene.instances.alive].tolist()) if len(document.selection) < LIMIT else set()
-    for row in document.selection[:LIMIT]:
-        if row not in meshes:
-            found.setdefault(row, icons.EMPTY)
+    chosen = np.array(document.selection[:LIMIT], np.int64)
+    for row in chosen[~np.isin(chosen, scene.instances.node)].tolist():
+        found.setdefault(row, icons.EMPTY)
     return list(found), list(found.values())

@@ -47,6 +47,8 @@ class SceneTreePanel(Panel):
         self._rows: list[TreeRow] = []
         self._kinds: dict[int, str] = {}
         self._fold_rev = 0
+        self._selected_of: tuple[int, ...] = ()
+        self._selected: frozenset[int] = frozenset()
         self._renaming = -1
         self._name = ""
         self._focus_name = False
@@ -57,6 +59,8 @@ class SceneTreePanel(Panel):
             empty_state(icons.TREE, "No scene is open", "Ctrl+O opens one")
             return
         self._follow(document)
+        if self._selected_of is not document.selection:
+            self._selected_of, self._selected = document.selection, frozenset(document.selection)
         if ui.session.ui.rename >= 0:
             self._renaming, ui.session.ui.rename = ui.session.ui.rename, -1
             self._name, self._focus_name = str(document.runtime.scene.nodes.name[self._renaming]), True
@@ -117,7 +121,7 @@ class SceneTreePanel(Panel):
         imgui.table_next_column()
         if scroll:
             imgui.set_scroll_here_y(0.5)
-        selected = row in document.selection
+        selected = row in self._selected
         start = imgui.get_cursor_pos_x()
         name = nodes.name[row] or f"node {row}"
         flags = (

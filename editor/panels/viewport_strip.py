@@ -14,10 +14,10 @@ from engine.core.param import Param, ParamBlock
 
 #: (setting, icon, width in em); those a build's settings do not have are left out
 CONTROLS = (
-    ("environment_rotation", icons.ENVIRONMENT, 7.0),
-    ("exposure", icons.EXPOSURE, 5.5),
-    ("tone_map", icons.LOOK, 8.5),
-    ("view", icons.VISIBLE, 7.5),
+    ("environment_rotation", icons.ENVIRONMENT, 5.5),
+    ("exposure", icons.EXPOSURE, 5.0),
+    ("tone_map", icons.LOOK, 7.5),
+    ("view", icons.VISIBLE, 7.0),
 )
 #: (operation, icon)
 TOOLS = (

@@ -1,10 +1,19 @@
-"""Animation clips: from keys to node transforms. May import math, assets, scene.
+"""Animation: from clips' keys to node transforms, of one scene or of a thousand characters. May import math, assets, scene.
 
     ClipAsset ─ tracks.pack ─> Track per (path, interpolation), checked, concatenated
                                  │
     time_s ─ clock.wrap ─> clip time ─ sample ─> values f8[k,3|4] ─ ClipPlayer.apply ─> NodeTable columns
 
-    morph, skinning, pose    the same on the CPU: nodes, clip, time -> meshes in world space, for export and as truth
+    *.animation.toml ─ animation_file ─> AnimationGraph (Rig, clips, states, blend spaces, layers, masks)
+                                           │
+    dt ─ state_machine, playhead ─> Step ──┼─ events.crossings ─> Fired: markers, once each
+                                     │     └─ root_motion.travel ─> the characters' way
+                                     └─ mixing: ClipSampler ─ BlendJob ─ LayerJob ─> poses f8[10,m,n]
+                                                                                       │
+                                             NodeTable columns <─ Animator.write ──────┘
 
-No Python loop runs over nodes or channels in a frame: each track is searched and interpolated as one batch.
+    ClipAsset ─ compress (key_reduction, 16 bits) ─> PackedClip, within an error stated in metres at the skin
+    pose, skinning, morph: nodes, clip, time -> meshes in world space on the CPU, for export and as truth
+
+No Python loop runs over characters, nodes or channels in a frame: only over clips, states and layers.
 """

@@ -16,7 +16,7 @@ F8 = NDArray[np.float64]
 I8 = NDArray[np.int64]
 
 #: Characters posed at a time: their poses stay in the cache.
-BLOCK = 64
+BLOCK = 256
 #: A share of the pose below this is not sampled.
 _SILENT = 1e-6
 

@@ -24,7 +24,7 @@ def posed_positions(scene: Scene, residency: Residency, instance: int) -> NDArra
         return np.asarray(position @ world[:, :3].T + world[:, 3], np.float64)
     skins = scene.skins
     run = slice(int(skins.first[skin]), int(skins.first[skin] + skins.count[skin]))
-    world = scene.nodes.world[skins.joint[run]]
+    world = skins.joint_world()[run]
     palette = world[:, :, :3] @ skins.inverse_bind[run]
     palette[:, :, 3] += world[:, :, 3]
     out = np.zeros_like(position)

@@ -158,7 +158,10 @@ class Runtime:
                 weights = np.concatenate([mesh.streams[n.replace("joints", "weights")] for n in names], axis=1)
                 reach[mesh_id] = joint_reach(mesh.streams["position"], joints, weights, mesh.skeleton.inverse_bind)
             rows = self.node_rows[np.array(node.joints)]
-            self.scene.skins.add(int(self.node_rows[i]), rows, mesh.skeleton.inverse_bind, reach[mesh_id])
+            bind = node.extras.get("skin_bind_world")
+            bind_world = np.array(bind, np.float64).reshape(4, 4).T if isinstance(bind, (list, tuple)) else None
+            node_row = int(self.node_rows[i])
+            self.scene.skins.add(node_row, rows, mesh.skeleton.inverse_bind, reach[mesh_id], bind_world)
 
     def add_instances(self, rows: list[tuple[int, int, int, int]]) -> NDArray[np.int64]:
         """Add drawables (node row, mesh id, submesh, material id); returns their instance rows."""

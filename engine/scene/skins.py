@@ -37,15 +37,22 @@ class SkinTable:
         self.inverse_bind: F8 = np.zeros((0, 3, 4))
         #: f8[joints]: how far from the joint a vertex lies that follows it, in the joint's own space
         self.reach: F8 = np.zeros(0)
+        #: f8[skins,4,4]: bind space from world for skins that also follow their own node (see `add`), else NaN
+        self.follow: F8 = np.zeros((0, 4, 4))
         self._seen: tuple[int, int, int] = (-1, -1, -1)
 
     def __len__(self) -> int:
         return len(self.node)
 
-    def add(self, node: int, joints: ArrayLike, inverse_bind: ArrayLike, reach: ArrayLike) -> int:
+    def add(
+        self, node: int, joints: ArrayLike, inverse_bind: ArrayLike, reach: ArrayLike,
+        bind_world: ArrayLike | None = None,
+    ) -> int:  # fmt: skip
         """Hang the mesh of `node` on the nodes `joints` [k]; inverse_bind [k,4,4], reach [k]. Returns the skin's index.
 
-        Raises InputError for a node that does not exist or lengths that differ.
+        `bind_world` f8[4,4]: the node's world transform when it was bound, where the source moves the whole skin by
+        what the node has moved since (Maya does). Raises InputError for a node that does not exist or lengths that
+        differ.
         """
         rows = np.asarray(joints, np.int64).reshape(-1)
         bind = np.asarray(inverse_bind, np.float64).reshape(-1, 4, 4)[:, :3]
@@ -59,6 +66,8 @@ class SkinTable:
         self.joint = np.concatenate([self.joint, rows])
         self.inverse_bind = np.concatenate([self.inverse_bind, bind])
         self.reach = np.concatenate([self.reach, far])
+        back = np.full((4, 4), np.nan) if bind_world is None else np.linalg.inv(np.asarray(bind_world, np.float64))
+        self.follow = np.concatenate([self.follow, back[None]])
         self.structure_rev += 1
         return len(self.node) - 1
 
@@ -72,7 +81,7 @@ class SkinTable:
             return
         joints = np.repeat(keep, self.count)
         self.joint, self.inverse_bind, self.reach = self.joint[joints], self.inverse_bind[joints], self.reach[joints]
-        self.node, self.count = self.node[keep], self.count[keep]
+        self.node, self.count, self.follow = self.node[keep], self.count[keep], self.follow[keep]
         self.first = np.cumsum(self.count) - self.count
         self.structure_rev += 1
 
@@ -83,9 +92,25 @@ class SkinTable:
         found: I8 = of_node[rows]
         return found
 
+    def joint_world(self) -> F8:
+        """f8[joints,3,4]: where the joints are, with what their skin's own node adds."""
+        world: F8 = self._nodes.world[self.joint]
+        follows = ~np.isnan(self.follow[:, 0, 0])
+        if not follows.any():
+            return world
+        own = self._nodes.world[self.node[follows]]
+        moved = own[:, :, :3] @ self.follow[follows, :3]
+        moved[:, :, 3] += own[:, :, 3]
+        rows = np.flatnonzero(np.repeat(follows, self.count))
+        by = np.repeat(moved, self.count[follows], axis=0)
+        out = world.copy()
+        out[rows] = by[:, :, :3] @ world[rows]
+        out[rows, :, 3] += by[:, :, 3]
+        return out
+
     def palette(self, origin: F8) -> NDArray[np.float32]:
         """f4[joints,3,4]: from mesh space to the world relative to `origin` f8[3], per joint, as of the last update."""
-        world = self._nodes.world[self.joint]
+        world = self.joint_world()
         with np.errstate(over="ignore", invalid="ignore"):  # a joint beyond float32 takes only its own vertices along
             out = world[:, :, :3] @ self.inverse_bind
             out[:, :, 3] += world[:, :, 3] - origin
@@ -101,7 +126,7 @@ class SkinTable:
             self._place_spheres()
 
     def _place_spheres(self) -> None:
-        world = self._nodes.world[self.joint]
+        world = self.joint_world()
         place = world[:, :, 3]
         reach = self.reach * largest_scale(world[:, :, :3])
         low = np.minimum.reduceat(place - reach[:, None], self.first)

@@ -39,6 +39,8 @@ def run(args: argparse.Namespace) -> int:
         raise UsageError("--scene without --out", hint="say where the report goes: --out DIR")
     if args.seed < 0:
         raise UsageError(f"--seed {args.seed} is negative", hint="give 0 or more")
+    if args.out is not None and args.out.exists() and not args.out.is_dir():
+        raise UsageError(f"--out {args.out}: a file of that name is there", hint="give a folder")
     for scene in args.scene:
         if not scene.exists():
             raise UsageError(f"--scene {scene}: no such file", hint="a *.scene.json, a project or a source file")

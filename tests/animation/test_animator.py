@@ -192,14 +192,14 @@ def test_many_characters_equal_each_alone() -> None:
         nodes, clips, [State("mix", Motion((0, 1, 2), BlendSpace(rng.normal(size=(3, 2))), (0, 1)))],
         [Param("a"), Param("b")],
     )  # fmt: skip
-    count = 150  # more than one block
+    count = 300  # more than one block
     a, b, t = rng.normal(size=count), rng.normal(size=count), rng.uniform(0, 2, count)
     crowd = Animator(graph, count)
     crowd.set("a", a)
     crowd.set("b", b)
     crowd.seek(t)
     crowd.update(0.3)
-    for i in (0, 63, 64, 149):
+    for i in (0, 255, 256, 299):
         one = Animator(graph)
         one.set("a", a[i])
         one.set("b", b[i])

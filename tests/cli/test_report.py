@@ -81,6 +81,13 @@ def test_refuses(
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_file_is_no_folder(tmp_path: Path, capsys: Capture) -> None:
+    (tmp_path / "r").write_text("mine", "utf-8")
+    assert main(["report", "quaternion", "--out", str(tmp_path / "r")]) == 2
+    assert "give a folder" in capsys.readouterr().err
+    assert (tmp_path / "r").read_text("utf-8") == "mine"
+
+
 def test_compare_needs_reports(tmp_path: Path, capsys: Capture) -> None:
     (tmp_path / "a.json").write_text("{}", "utf-8")
     assert main(["report", "--compare", str(tmp_path / "a.json"), str(tmp_path / "a.json")]) == 1

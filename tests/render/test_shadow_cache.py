@@ -43,7 +43,7 @@ def drawn(null_stage, monkeypatch):
     def render(at: Camera | None = None, **settings) -> list[int]:
         passes.clear()
         null_stage.runtime.update()
-        null_stage.runtime.render(null_stage.view((64, 48), at or camera(), **settings))
+        null_stage.runtime.render(null_stage.view((64, 48), at or camera(), **{"shadow_split": 0.8, **settings}))
         return [int(name.rsplit(" ", 1)[1]) for name in passes if name.startswith("shadow cascade")]
 
     return render

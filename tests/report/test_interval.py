@@ -37,6 +37,13 @@ def test_a_disturbance_of_both_does_not_widen_it() -> None:
     assert paired.high == pytest.approx(2.0)
 
 
+def test_few_samples_are_not_trusted() -> None:
+    """Five runs that happen to agree prove little: the interval is all that was seen."""
+    got = ratio_interval([1.0, 1.1, 1.2, 1.1, 1.0], [2.0, 2.2, 4.0, 2.1, 2.0])
+    assert (got.low, got.high) == (pytest.approx(0.25), pytest.approx(0.6))
+    assert got.value == pytest.approx(1.1 / 2.1)
+
+
 def test_none_is_an_error() -> None:
     with pytest.raises(UsageError, match="no samples"):
         ratio_interval([], [1.0])

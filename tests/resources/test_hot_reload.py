@@ -289,3 +289,55 @@ def test_variants_that_are_not_drawn_any_more_go(project: Project) -> None:
         project.poll()
         project.picture()
     assert len(effects.variants()) == 1
+
+
+def test_a_new_effect_of_the_project_needs_no_python(gl_device: Device, tmp_path: Path) -> None:
+    project = Project(gl_device, tmp_path)
+    try:
+        shutil.rmtree(tmp_path / "shaders")
+        project.runtime.open(tmp_path / "a.scene.json")
+        before = project.picture()
+        effect = 'name = "flat"\nextends = "surface"\n[technique.forward]\nfragment = "effects/flat.frag"\n'
+        project.write("effects/flat.effect.toml", effect)
+        project.edit(MATERIAL, 'effect = "surface"', 'effect = "flat"')
+        project.poll()
+        assert project.problems[0].where.file.endswith("flat.effect.toml")
+        assert project.problems[0].where.line == 4
+        np.testing.assert_array_equal(project.picture(), before)
+        code = "layout(location = 2) flat in uint v_material;\nlayout(location = 0) out vec4 o_color;\n"
+        code += "void main()\n{\n    o_color = vec4(materials[v_material].base_color.rgb, 1.0);\n}\n"
+        project.write("effects/flat.frag", code)
+        result = project.poll()
+        assert result is not None
+        assert project.problems == ()
+        after = project.picture()
+        assert (after != before).any()
+        assert len(np.unique(after[20:28, 20:28].reshape(-1, 4), axis=0)) == 1, "unlit: one colour"
+        project.edit(MATERIAL, 'effect = "flat"', 'effect = "surface"')
+        project.poll()
+        np.testing.assert_array_equal(project.picture(), before)
+    finally:
+        project.runtime.close()
+
+
+def test_a_hundred_files_at_once(project: Project) -> None:
+    before = project.picture()
+    files = [path for path in (project.folder / "shaders").rglob("*") if path.is_file()]
+    for path in files:
+        project.write(str(path.relative_to(project.folder)), path.read_text(encoding="utf-8"))
+    for i in range(100):
+        project.write(f"shaders/lib/other{i}.glsl", "// nothing\n")
+    result = project.poll()
+    assert result is not None
+    assert result.problems == ()
+    np.testing.assert_array_equal(project.picture(), before)
+
+
+def test_a_file_saved_by_rename_is_noticed(project: Project) -> None:
+    before = project.picture()
+    path = project.folder / FRAG
+    other = path.with_suffix(".tmp")
+    other.write_text(path.read_text(encoding="utf-8").replace(LAST, "sanitise(color.bgr), 1.0)"), encoding="utf-8")
+    other.replace(path)
+    assert project.poll() is not None
+    assert (project.picture() != before).any()
