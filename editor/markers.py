@@ -52,7 +52,7 @@ def _signs(document: Document) -> tuple[list[int], list[str]]:
         for row in table.node[table.alive][:LIMIT].tolist():
             if visible[row]:
                 found[row] = icon
-    chosen = np.array(document.selection[:LIMIT], np.int64)
+    chosen = np.array(document.selection[-64:], np.int64)
     for row in chosen[~np.isin(chosen, scene.instances.node)].tolist():
         found.setdefault(row, icons.EMPTY)
     return list(found), list(found.values())

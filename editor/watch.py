@@ -59,9 +59,9 @@ class ShaderWatch:
         if reload is not self._reload:
             self._reload = reload
             self._report(session)
-            self._start_thread()
         if reload is None:
             return
+        self._start_thread()
         if self._due.is_set() or reload.changed(now):
             self.reload(session, force=False)
 
@@ -116,7 +116,7 @@ class ShaderWatch:
         self.problems, self._next = problems, -1
 
     def _start_thread(self) -> None:
-        if self._thread is None and self._reload is not None:
+        if self._thread is None:
             self._thread = threading.Thread(target=self._run, name="shader watch", daemon=True)
             self._thread.start()
 

@@ -5,7 +5,7 @@ Each function changes the scene by its own means between two looks at its tables
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -76,20 +76,19 @@ def change(document: Document, label: str, make: Callable[[], Sequence[int]]) ->
 
 def tops(document: Document, rows: Sequence[int]) -> list[int]:
     """`rows` without those that lie below another of them, in their order."""
-    parents, inside = document.runtime.scene.nodes.parent, set(rows)
+    parents, inside = document.runtime.scene.nodes.parent.tolist(), set(rows)
     found = []
     for row in dict.fromkeys(rows):
-        above = int(parents[row])
+        above = parents[row]
         while above >= 0 and above not in inside:
-            above = int(parents[above])
+            above = parents[above]
         if above < 0:
             found.append(row)
     return found
 
 
-def unique_name(document: Document, wanted: str) -> str:
-    """`wanted`, or `wanted 2`, `wanted 3`… where a node has that name."""
-    taken = set(document.runtime.scene.nodes.name)
+def unique_name(wanted: str, taken: Collection[str]) -> str:
+    """`wanted`, or `wanted 2`, `wanted 3`… where that name is taken."""
     stem, _, number = wanted.rpartition(" ")
     stem, count = (stem, int(number)) if stem and number.isdigit() else (wanted, 1)
     name = wanted
@@ -122,7 +121,7 @@ def _add(
         local = np.asarray(matrix, np.float64)
         if parent >= 0:
             local = transform.inverse_affine(scene.nodes.world_matrix(parent)) @ local
-        row = scene.nodes.add(unique_name(document, name), parent, matrix=local)
+        row = scene.nodes.add(unique_name(name, set(scene.nodes.name)), parent, matrix=local)
         if light is not None:
             scene.lights.add(row, light)
         if camera is not None:
@@ -150,45 +149,57 @@ def duplicate(document: Document, rows: Sequence[int]) -> None:
     scene = document.runtime.scene
 
     def make() -> list[int]:
-        made = []
-        for top in tops(document, rows):
-            copies: dict[int, int] = {}
-            for old in document.subtree(top):
-                parent = int(scene.nodes.parent[old])
-                name = unique_name(document, scene.nodes.name[old]) if old == top else scene.nodes.name[old]
-                copies[old] = _copy_node(scene, old, copies.get(parent, parent), name)
-            made.append(copies[top])
-        return made
+        nodes = scene.nodes
+        heads = tops(document, rows)
+        olds = [old for top in heads for old in document.subtree(top)]
+        index = {old: i for i, old in enumerate(olds)}
+        head, taken = set(heads), set(nodes.name)
+        names, outside, inside = [], [], []
+        for old in olds:
+            parent = int(nodes.parent[old])
+            name = nodes.name[old]
+            if old in head:
+                name = unique_name(name, taken)
+                taken.add(name)
+            names.append(name)
+            inside.append(-1 if old in head else index[parent])
+            outside.append(parent if old in head else -1)
+        news = nodes.add_many(
+            names, outside, nodes.translation[olds], nodes.rotation[olds], nodes.scale[olds], batch_parents=inside
+        )
+        nodes.set_visible(news, nodes.visible[olds])
+        _copy_contents(scene, np.array(olds), news)
+        return [int(news[index[top]]) for top in heads]
 
     change(document, f"Duplicate {_what(document, rows)}", make)
 
 
-def _copy_node(scene: Any, old: int, parent: int, name: str) -> int:
-    nodes = scene.nodes
-    new = int(nodes.add(name, parent, nodes.translation[old], nodes.rotation[old], nodes.scale[old]))
-    if nodes.has_matrix[old]:
-        nodes.set_matrix(new, nodes.local_matrix(old))
-    nodes.set_visible([new], [bool(nodes.visible[old])])
-    if old in scene.sources:
-        scene.sources[new] = scene.sources[old]
-    table = scene.instances
-    rows = np.flatnonzero(table.alive & (table.node == old))
+def _copy_contents(scene: Any, olds: NDArray[np.int64], news: NDArray[np.int64]) -> None:
+    """Give the nodes `news` what `olds` carry: matrices, meshes, lights, cameras, skins."""
+    nodes, table, skins = scene.nodes, scene.instances, scene.skins
+    new_of = np.full(len(nodes) + 1, -1, np.int64)  # its last entry is for "no node"
+    new_of[olds] = news
+    for old in olds[nodes.has_matrix[olds]].tolist():
+        nodes.set_matrix(int(new_of[old]), nodes.local_matrix(old))
+    for old in olds.tolist():
+        if old in scene.sources:
+            scene.sources[int(new_of[old])] = scene.sources[old]
+    rows = np.flatnonzero(table.alive & (new_of[table.node] >= 0))
     if rows.size:
         table.add_many(
-            np.full(len(rows), new), table.mesh[rows], table.submesh[rows], table.material[rows],
+            new_of[table.node[rows]], table.mesh[rows], table.submesh[rows], table.material[rows],
             table.bounds_center[rows], table.bounds_radius[rows], table.visible[rows],
         )  # fmt: skip
     for kind in (scene.lights, scene.cameras):
-        for row in np.flatnonzero(kind.alive & (kind.node == old)):
-            kind.add(new, kind.asset(int(row)))
-    skins = scene.skins
-    for skin in np.flatnonzero(skins.node == old):
+        for row in np.flatnonzero(kind.alive & (new_of[kind.node] >= 0)).tolist():
+            kind.add(int(new_of[kind.node[row]]), kind.asset(row))
+    for skin in np.flatnonzero(new_of[skins.node] >= 0).tolist():
         part = slice(int(skins.first[skin]), int(skins.first[skin] + skins.count[skin]))
+        count = int(skins.count[skin])
         bind = np.concatenate(
-            [skins.inverse_bind[part], np.broadcast_to([[0.0, 0.0, 0.0, 1.0]], (int(skins.count[skin]), 1, 4))], axis=1
+            [skins.inverse_bind[part], np.broadcast_to([[0.0, 0.0, 0.0, 1.0]], (count, 1, 4))], axis=1
         )
-        skins.add(new, skins.joint[part], bind, skins.reach[part])
-    return new
+        skins.add(int(new_of[skins.node[skin]]), skins.joint[part], bind, skins.reach[part])
 
 
 def group(document: Document, rows: Sequence[int]) -> None:
@@ -204,7 +215,7 @@ def group(document: Document, rows: Sequence[int]) -> None:
         middle[:3, 3] = np.mean([scene.nodes.world_matrix(r)[:3, 3] for r in members], axis=0)
         above = np.eye(4) if parent < 0 else scene.nodes.world_matrix(parent)
         local = transform.inverse_affine(above) @ middle
-        new = int(scene.nodes.add(unique_name(document, "Group"), parent, matrix=local))
+        new = int(scene.nodes.add(unique_name("Group", set(scene.nodes.name)), parent, matrix=local))
         scene.update()
         for row in members:
             _hang(document, row, new)

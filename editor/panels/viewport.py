@@ -98,7 +98,7 @@ class ViewportPanel(Panel):
         session, document = ui.session, ui.session.document
         assert document is not None
         if session.preferences.show_outline:
-            for row in document.selection[-50:]:
+            for row in document.selection[-16:]:
                 overlay.draw_box(session.camera, *document.bounds((row,)), (x, y), width, height)
         self.marker = markers.draw(document, session.camera, (x, y), width, height, hoverable=hoverable)
         overlay.draw_measure(session.camera, session.tools, (x, y), width, height)

@@ -1,4 +1,4 @@
-"""Animation: from clips' keys to node transforms, of one scene or of a thousand characters. May import math, assets, scene.
+"""From clips' keys to node transforms, of one scene or a thousand characters. May import math, assets, scene.
 
     ClipAsset ─ tracks.pack ─> Track per (path, interpolation), checked, concatenated
                                  │

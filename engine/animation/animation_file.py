@@ -30,6 +30,7 @@ from engine.assets.scene import NodeAsset
 from engine.core.errors import FormatError, InputError
 from engine.core.findings import Findings
 from engine.core.toml_source import KeyPath, TomlSource
+from engine.math.transform import compose
 
 F8 = NDArray[np.float64]
 
@@ -112,6 +113,20 @@ def resolve(
         )  # fmt: skip
     graph.validate()
     return graph
+
+
+def rest_above(nodes: Sequence[NodeAsset], graph: AnimationGraph) -> tuple[F8 | None, int]:
+    """For root motion: world from the root's parent at rest, f8[3,4], and the node above it all; (None, -1) without."""
+    if graph.root < 0:
+        return None, -1
+    top = node = int(graph.rig.source[graph.root])
+    world = np.eye(4)
+    while (node := nodes[node].parent) >= 0:
+        n, top = nodes[node], node
+        local = compose(n.translation, n.rotation, n.scale) if n.matrix is None else np.reshape(n.matrix, (4, 4)).T
+        world = local @ world
+    # a root without parents is posed itself: it cannot be carried as well
+    return world[:3], top if top != int(graph.rig.source[graph.root]) else -1
 
 
 def _clip(key: str, model: AnimationModel, source: TomlSource, clips: Sequence[ClipAsset]) -> ClipAsset:

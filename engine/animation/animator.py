@@ -28,8 +28,8 @@ class Animator:
     """m characters that do what `graph` says. `poses` f8[10,m,n]: where they are now (see poses.py).
 
     `speed` f8[m] scales each one's time; negative plays back. `travel` f8[m,3]: how far root motion has carried each
-    (x, z, yaw), `step` f8[m,3] how far in the last update, in the character's own space then. `above` f8[3,3]: world
-    from the root's parent at rest. Raises InputError for a graph that does not hold together.
+    (x, z, yaw), `step` f8[m,3] how far in the last update, in the character's own space then. `above` f8[3,4]: from
+    the root's parent to the character's space, at rest. Raises InputError for a graph that does not hold together.
     """
 
     def __init__(self, graph: AnimationGraph, characters: int = 1, *, above: F8 | None = None) -> None:

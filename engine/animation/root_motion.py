@@ -23,7 +23,8 @@ F8 = NDArray[np.float64]
 @dataclass(slots=True, eq=False)
 class RootMotion:
     """The way of rig node `root` through one clip: `phases` f8[k], `points` f8[k,3] metres (to be drawn),
-    `yaw` f8[k] radians, unwrapped. `above` f8[3,3] and its inverse: the linear part of what lies above the root."""
+    `yaw` f8[k] radians, unwrapped. `above` f8[3,3] and `below`, its inverse: the linear part of what lies above the
+    root; `offset` f8[3] where that stands."""
 
     root: int
     duration: float
@@ -32,6 +33,7 @@ class RootMotion:
     yaw: F8
     above: F8
     below: F8
+    offset: F8
 
     def at(self, phase: F8) -> F8:
         """f8[3,m]: x, z, yaw at phases in [0,1]."""
@@ -45,28 +47,29 @@ class RootMotion:
         turns cancel out.
         """
         there = step.mode == PING_PONG
-        start = _motion(self.at(_folded(step.phase0, there)))
-        end = _motion(self.at(_folded(step.phase1, there)))
-        round_ = _compose(_inverse(_motion(self.at(np.zeros(1)))), _motion(self.at(np.ones(1))))
-        first = _motion(self.at(np.zeros(1)))
-        # start^-1 first (first^-1 last)^turns first^-1 end
-        turns = np.where(there, 0, step.turn1 - step.turn0)
-        way = _compose(_inverse(start), first)
-        way = _compose(way, _repeat(round_, turns.astype(np.float64)))
-        way = _compose(way, _compose(_inverse(first), end))
-        place, yaw = way
+        start = self._carried(_folded(step.phase0, there))
+        end = self._carried(_folded(step.phase1, there))
+        turns = np.where(there, 0, step.turn1 - step.turn0).astype(np.float64)
+        way = _compose(_inverse(start), _repeat(self._carried(np.ones(1)), turns))
+        place, yaw = _compose(way, end)
         return np.stack([place.real, -place.imag, yaw])
+
+    def _carried(self, phase: F8) -> tuple[NDArray[np.complex128], F8]:
+        """The planar motion that takes the root from where the clip starts to where it is: none at phase 0."""
+        here, start = self.at(phase), self.at(np.zeros(1))
+        turn = here[2] - start[2]
+        return (here[0] - 1j * here[1]) - np.exp(1j * turn) * (start[0] - 1j * start[1]), turn
 
     def take_out(self, phase: F8, out: F8) -> None:
         """Put the root of the poses f8[10,m,n], sampled at `phase` f8[m], back to where the clip starts."""
         here, start = self.at(phase), self.at(np.zeros(1))
         turn = start[2] - here[2]
-        place = self.above @ out[T, :, self.root]
+        place = self.above @ out[T, :, self.root] + self.offset[:, None]
         x, z = place[0] - here[0], place[2] - here[1]
         cosine, sine = np.cos(turn), np.sin(turn)
         place[0] = start[0] + cosine * x + sine * z
         place[2] = start[1] - sine * x + cosine * z
-        out[T, :, self.root] = self.below @ place
+        out[T, :, self.root] = self.below @ (place - self.offset[:, None])
         axis = self.below @ np.array([0.0, 1.0, 0.0])
         q = quat.from_axis_angle(np.broadcast_to(axis, (len(turn), 3)), turn).T
         out[R, :, self.root] = poses.multiply(q, out[R, :, self.root])
@@ -75,13 +78,14 @@ class RootMotion:
 def extract(sampler: ClipSampler, root: int, above: F8 | None = None, *, rate: float = 60.0) -> RootMotion:
     """The way of `root` through the clip, at its start, its end and `rate` samples a second between.
 
-    `above` f8[3,3]: world from the root's parent, linear part, at rest (identity without). Raises InputError for a
+    `above` f8[3,4]: world from the root's parent, at rest (identity without). Raises InputError for a
     root that does not exist, or an `above` that cannot be inverted.
     """
     rig = sampler.rig
     if not 0 <= root < len(rig):
         raise InputError(f"root {root} of a rig of {len(rig)} nodes")
-    linear = np.eye(3) if above is None else np.asarray(above, np.float64)
+    whole = np.eye(3, 4) if above is None else np.asarray(above, np.float64)
+    linear, offset = whole[:, :3], whole[:, 3]
     sizes = np.linalg.svd(linear, compute_uv=False)
     if not sizes[2] > 1e-7 * sizes[0]:
         raise InputError("the root's parent is flattened by its scale: no way can be taken out")
@@ -89,16 +93,15 @@ def extract(sampler: ClipSampler, root: int, above: F8 | None = None, *, rate: f
     phases = np.linspace(0.0, 1.0, count)
     out = poses.resting(rig.rest, count)
     sampler.sample(phases * sampler.duration, out)
-    points = (linear @ out[T, :, root]).T
+    points = (linear @ out[T, :, root] + offset[:, None]).T
     # the turn about +Y is what remains of the rotation when its axis is laid on +Y (swing-twist)
     axis = np.linalg.inv(linear) @ np.array([0.0, 1.0, 0.0])
     axis /= np.linalg.norm(axis)
     q = out[R, :, root]
     half = np.arctan2(axis @ q[:3], q[3])
     yaw = 2.0 * np.unwrap(half, period=np.pi) if count > 1 else 2.0 * half
-    return RootMotion(
-        root, sampler.duration, phases, points, yaw, linear, np.asarray(np.linalg.inv(linear), np.float64)
-    )
+    below = np.asarray(np.linalg.inv(linear), np.float64)
+    return RootMotion(root, sampler.duration, phases, points, yaw, linear, below, offset)
 
 
 def _folded(phase: F8, there: NDArray[np.bool_]) -> F8:
@@ -106,10 +109,6 @@ def _folded(phase: F8, there: NDArray[np.bool_]) -> F8:
 
 
 # A planar motion is z -> e^(i yaw) z + place with z = x - i z_axis: a turn about +Y takes +Z towards +X.
-
-
-def _motion(at: F8) -> tuple[NDArray[np.complex128], F8]:
-    return at[0] - 1j * at[1], at[2]
 
 
 def _compose(

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.animation.animation_file import load_animation
+from engine.animation.animation_file import load_animation, rest_above
 from engine.animation.animator import Animator
 from engine.animation.reach import joint_reach
 from engine.animation.sample import ClipPlayer
@@ -191,8 +191,10 @@ class Runtime:
         Raises InputError and FormatError with file:line:column; then what played goes on.
         """
         graph = load_animation(path, self.asset.nodes, self.clips, self.findings)
-        animator = Animator(graph)
-        self.deck.animate(animator, self.node_rows[graph.rig.source][None])
+        above, top = rest_above(self.asset.nodes, graph)
+        animator = Animator(graph, above=above)
+        rows = self.node_rows[graph.rig.source][None]
+        self.deck.animate(animator, rows, int(self.node_rows[top]) if top >= 0 else -1)
         self._posed_at = math.nan
         return animator
 

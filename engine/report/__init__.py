@@ -1,6 +1,12 @@
-"""What was measured: timers, frame statistics, image errors, image files. May import core only (Pillow etc. lazily).
+"""What was measured: timers, statistics, image errors, image files, reports. May import core only (Pillow etc. lazily).
 
-timers   CpuTimer, PassTimes            ─> stats    FrameStats (one frame: passes, counters) ─> JSON, overlays
+timers   CpuTimer, PassTimes            ─> stats      FrameStats (one frame: passes, counters) ─> JSON, overlays
 summary  median, IQR of repeated runs   ─> benches, experiments
-metrics  rmse, rel_mse, psnr, is_blank  <─ image    PNG and EXR in and out, atomic, same bytes for the same pixels
+metrics  rmse, rel_mse, psnr, is_blank  <─ image      PNG and EXR in and out, atomic, same bytes for the same pixels
+         angles, energy                    perceptual FLIP, SSIM (the extra `report`)
+
+interleave, interval, front, order      ─> records    Report: experiments, points, floors, orders, omissions
+    runs in turns, bootstrap, Pareto,         │
+    slopes                                    ├─> writing, page/  report.html and report.json
+                                              └─> compare         two report.json
 """

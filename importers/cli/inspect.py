@@ -30,12 +30,23 @@ def run(args: argparse.Namespace) -> int:
     if args.json:
         print_json(description | {"findings": [finding.to_json() for finding in findings]})
     else:
+        _tell_variants(description)
         sources = {"generated": description.pop("generated", []), **description.pop("sources", {})}
         print("\n".join(_lines(description, 0)))
         for name, lines in sources.items() if args.source else ():
             print("\n".join(["", f"{name}:", *(f"  {line}" for line in lines)]))
         print_findings(findings)
     return 1 if findings.has_errors else 0
+
+
+def _tell_variants(description: dict[str, Any]) -> None:
+    """In text, what made a variant exist is enough; why the rest is off, and whole errors, are in the JSON."""
+    for variant in description.get("variants", []):
+        variant.pop("absent", None)
+        variant.pop("streams", None)
+        variant["features"] = variant["features"] or ["none"]
+        variant["reasons"] = [f"{name}: {reason}" for name, reason in variant["reasons"].items()]
+        variant["error"] = variant["error"].split("\n")[0]
 
 
 def _lines(values: dict[str, Any], depth: int) -> list[str]:

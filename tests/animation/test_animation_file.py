@@ -164,6 +164,35 @@ def test_an_empty_file_and_no_file_say_so(tmp_path: Path) -> None:
         load_animation(tmp_path / "none.toml", [], [])
 
 
+def test_root_motion_carries_the_top_node_and_a_removed_node_is_left_alone(tmp_path: Path, null_device) -> None:
+    nodes = chain(3)
+    nodes[0].translation, nodes[0].rotation = (5.0, 0.0, 0.0), tuple(turning(1, np.pi / 2))
+    walk = ClipAsset("walk", [channel(1, "translation", [0, 1], [[0, 1, 0], [0, 1, 2]])])
+    walk.channels.append(channel(2, "rotation", [0, 1], [IDENTITY, turning(0, 1.0)]))
+    write_lanim(tmp_path / "walk.lanim", walk)
+    write_scene(tmp_path / "a.scene.json", SceneAsset("a", nodes, clips=["walk.lanim"]))
+    text = 'schema = "lucarna.animation/1"\nname = "w"\nroot = "n1"\n[clips.walk]\n[states.walk]\nclip = "walk"\n'
+    (tmp_path / "w.animation.toml").write_text(text, encoding="utf-8")
+    runtime = Runtime(null_device)
+    try:
+        runtime.open(tmp_path / "a.scene.json")
+        table, rows = runtime.scene.nodes, runtime.node_rows
+        runtime.animate(tmp_path / "w.animation.toml")
+        for i in range(26):
+            runtime.update(0.1 * i)
+        # forward for n1 is +X in the world; 2.5 s are 5 m, in the pose itself n1 stands still
+        np.testing.assert_allclose(table.world[rows[0], :, 3], [10.0, 0.0, 0.0], atol=1e-9)
+        np.testing.assert_allclose(table.world[rows[1], :, 3], [10.0, 1.0, 0.0], atol=1e-9)
+        runtime.scene.nodes.remove(int(rows[2]))
+        runtime.update(3.0)
+        np.testing.assert_allclose(table.world[rows[1], :, 3], [11.0, 1.0, 0.0], atol=1e-9)
+        runtime.play()
+        runtime.update(4.0)
+        np.testing.assert_allclose(table.world[rows[1], :, 3], [5.0, 1.0, 0.0], atol=1e-9)
+    finally:
+        runtime.close()
+
+
 def test_a_runtime_plays_one_clip_or_the_file(tmp_path: Path, null_device) -> None:
     names = []
     for clip in clips():

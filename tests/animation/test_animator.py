@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from engine.animation import poses
 from engine.animation.animator import Animator
 from engine.animation.blend_space import BlendSpace
 from engine.animation.events import Marker
@@ -23,6 +24,7 @@ from engine.animation.sampler import ClipSampler
 from engine.animation.state_machine import FROZEN, NO_FADE
 from engine.assets.clip import ClipAsset
 from engine.core.errors import InputError
+from engine.math.transform import compose
 from engine.scene.nodes import NodeTable
 from tests.animation.crowd import (
     IDENTITY,
@@ -272,7 +274,7 @@ def test_root_motion_turns_with_the_root() -> None:
 
 def test_a_turned_armature_walks_on_the_ground() -> None:
     # Z-up inside: the root goes along its parent's -Y, which the parent turns to +Z
-    above = np.array([[1.0, 0, 0], [0, 0, 1.0], [0, -1.0, 0]])
+    above = np.array([[1.0, 0, 0, 0], [0, 0, 1.0, 0], [0, -1.0, 0, 0]])
     clip = ClipAsset("walk", [channel(0, "translation", [0, 1], [[0, 0, 5], [0, -2, 5]])])
     graph = single(sampler(clip))
     graph.root = 0
@@ -280,6 +282,45 @@ def test_a_turned_armature_walks_on_the_ground() -> None:
     animator.update(0.5)
     np.testing.assert_allclose(animator.travel[0], [0.0, 1.0, 0.0], atol=1e-12)
     np.testing.assert_allclose(animator.poses[0:3, 0, 0], [0.0, 0.0, 5.0], atol=1e-12)
+
+
+@pytest.mark.parametrize("speed", [1.0, -1.7, 23.0])
+def test_the_way_and_the_pose_in_place_make_up_the_clip(speed: float) -> None:
+    rng = np.random.default_rng(6)
+    times = np.linspace(0.0, 1.0, 13)  # at 60 a second the way is sampled at these keys too
+    yaw = 0.7 + np.cumsum(rng.uniform(-0.6, 0.6, 13))
+    clip = ClipAsset(
+        "wander",
+        [
+            channel(0, "translation", times, rng.normal(size=(13, 3)) + 2.0),
+            channel(0, "rotation", times, [turning(1, a) for a in yaw]),
+        ],
+    )
+    above = np.array([[0.0, 0.0, 1.0, 3.0], [0.0, 1.0, 0.0, 0.5], [-1.0, 0.0, 0.0, -2.0]])
+    plain, moving = Animator(single(sampler(clip))), single(sampler(clip))
+    moving.root = 0
+    animator = Animator(moving, above=above)
+
+    def world(pose: np.ndarray) -> np.ndarray:
+        m = np.eye(4)
+        m[:3] = above
+        return m @ compose(pose[0:3, 0, 0], pose[3:7, 0, 0], np.ones(3))
+
+    # one run through the clip: the planar motion from its first root to its last
+    ends = poses.resting(rig(1).rest, 2)
+    sampler(clip).sample([0.0, 1.0], ends)
+    first, last = world(ends[:, :1]), world(ends[:, 1:])
+    lap = compose(np.zeros(3), turning(1, yaw[-1] - yaw[0]), np.ones(3))
+    lap[[0, 2], 3] = last[[0, 2], 3] - (lap @ first)[[0, 2], 3]
+    for _ in range(40):
+        plain.update(0.0317 * speed)
+        animator.update(0.0317 * speed)
+        x_, z_, angle_ = animator.travel[0]
+        carried = compose([x_, 0.0, z_], turning(1, angle_), np.ones(3)) @ world(animator.poses)
+        turns = int(plain.machine.heads.turn[0])
+        expected = np.linalg.matrix_power(lap, turns) @ world(plain.poses)
+        np.testing.assert_allclose(carried, expected, atol=1e-5)  # float32 keys, 29 laps
+    assert abs(turns) >= 1
 
 
 def test_bad_graphs_and_names_say_so() -> None:

@@ -37,7 +37,7 @@ def main(argv: list[str] | None = None) -> int:
             deadline=None,
             database=None,
             suppress_health_check=[HealthCheck.too_slow],
-            phases=[Phase.generate],  # fmt: skip
+            phases=[Phase.generate],
         )
         @given(specs)
         def compare(spec: SceneSpec) -> None:

@@ -90,6 +90,7 @@ FRAG, EFFECT, INCLUDE, TONE = (
     "shaders/passes/tone_map.frag",
 )  # fmt: skip
 LAST = "sanitise(color), 1.0)"
+SOURCES = (".glsl", ".vert", ".frag", ".comp", ".toml")
 
 
 def test_an_edited_shader_is_on_screen_after_one_look(project: Project) -> None:
@@ -322,7 +323,7 @@ def test_a_new_effect_of_the_project_needs_no_python(gl_device: Device, tmp_path
 
 def test_a_hundred_files_at_once(project: Project) -> None:
     before = project.picture()
-    files = [path for path in (project.folder / "shaders").rglob("*") if path.is_file()]
+    files = [path for path in (project.folder / "shaders").rglob("*") if path.suffix in SOURCES]
     for path in files:
         project.write(str(path.relative_to(project.folder)), path.read_text(encoding="utf-8"))
     for i in range(100):

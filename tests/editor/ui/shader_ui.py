@@ -144,7 +144,11 @@ def run(folder: Path) -> dict[str, Any]:
         ctx.yield_(2)
         ctx.key_press(imgui.Key.mod_ctrl | imgui.Key.s)
         ctx.yield_(3)
-        seen["saved_by_key"] = ((folder / FRAG).read_text(encoding="utf-8").startswith("/**/"), front.dirty, document.dirty)
+        seen["saved_by_key"] = (
+            (folder / FRAG).read_text(encoding="utf-8").startswith("/**/"),
+            front.dirty,
+            document.dirty,
+        )
         front.put(text)
         do(ctx, session.save_code)
 
