@@ -68,7 +68,7 @@ def add_editing_operations(ops: Operations) -> None:
             enabled=_has_bookmark(number), separator=number == 1)  # fmt: skip
     for number in range(1, BOOKMARKS + 1):
         add(f"view.set-bookmark-{number}", f"Set bookmark {number}", _store(number), f"Ctrl+Alt+{number}", menu="View")
-    for title in ("History", "Frame graph", "Textures"):
+    for title in ("History", "Frame graph", "Textures", "Console"):
         add(f"view.panel-{title.lower().replace(' ', '-')}", f"Show {title.lower()}", _show(title), enabled=always)
     add("file.copy-command", "Copy as command", _copy_command, "Ctrl+Shift+C", menu="File", separator=True,
         about="The command line that renders what the viewport shows")  # fmt: skip

@@ -8,7 +8,7 @@ from editor.panels.base import Panel
 
 PANELS = (
     "scene_tree", "assets", "viewport", "inspector", "render_settings", "log", "timings", "variants", "shader_editor",
-    "history", "frame_graph", "texture_viewer",
+    "history", "frame_graph", "texture_viewer", "console",
 )  # fmt: skip
 
 

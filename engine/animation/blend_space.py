@@ -9,6 +9,9 @@ from engine.core.errors import InputError
 
 F8 = NDArray[np.float64]
 
+#: squares of distances must stay finite
+_FARTHEST = 1e100
+
 
 class BlendSpace:
     """k samples at `points` f8[k] or f8[k,1|2]; `weights` gives their shares at any point, continuous, summing to 1.
@@ -26,8 +29,8 @@ class BlendSpace:
             places = places[:, None]
         if places.ndim != 2 or not len(places) or places.shape[1] not in (1, 2):
             raise InputError(f"a blend space has samples at [k,1] or [k,2], got {places.shape}")
-        if not np.isfinite(places).all():
-            raise InputError("a blend space's samples must be at finite places")
+        if not (np.abs(places) <= _FARTHEST).all():
+            raise InputError("a blend space's samples must be at finite places", hint=f"within {_FARTHEST:g} of 0")
         self.points = places
         step = places[None, :, :] - places[:, None, :]  # [i,j,d]: from i to j
         square = np.einsum("ijd,ijd->ij", step, step)

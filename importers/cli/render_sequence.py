@@ -241,8 +241,8 @@ class _Video:
         self._temporary = self._context.__enter__()
         kind = self._path.suffix.lower()
         self._writer = self._ffmpeg.write_frames(
-            str(self._temporary), self._size, fps=self._fps, codec=VIDEOS[kind], macro_block_size=2, quality=8, ffmpeg_log_level="error",
-            output_params=["-f", kind[1:]],
+            str(self._temporary), self._size, fps=self._fps, codec=VIDEOS[kind], macro_block_size=2, quality=8,
+            ffmpeg_log_level="error", output_params=["-f", kind[1:]],
         )  # fmt: skip
         self._writer.send(None)
         return self

@@ -5,6 +5,7 @@
 const float MIN_ROUGHNESS = 0.045;
 
 #ifdef STAGE_FRAGMENT  // derivatives are there only
+#ifdef STAGE_FRAGMENT
 // Tokuyoshi and Kaplanyan 2019, "Improved Geometric Specular Antialiasing", eqs. 4 to 6: how far the normal turns within
 // a pixel widens the lobe, so that thin bevels and far curved metal do not sparkle. Perceptual roughness in and out.
 float antialiased_roughness(float perceptual_roughness, vec3 n)
@@ -18,6 +19,7 @@ float antialiased_roughness(float perceptual_roughness, vec3 n)
     float alpha = perceptual_roughness * perceptual_roughness;
     return sqrt(sqrt(sat(alpha * alpha + widening)));
 }
+#endif
 #endif
 
 // Walter et al. 2007, "Microfacet Models for Refraction through Rough Surfaces", eq. 33 (GGX), with 1-(n.h)^2 taken as

@@ -68,7 +68,12 @@ def test_scale_changes_nothing(scale: float) -> None:
 
 
 def test_bad_spaces_say_so() -> None:
-    for points, words in (([], "got"), (np.zeros((2, 3)), "got"), ([0.0, np.nan], "finite places")):
+    for points, words in (
+        ([], "got"),
+        (np.zeros((2, 3)), "got"),
+        ([0.0, np.nan], "finite places"),
+        ([0.0, 1e200], "finite places"),
+    ):
         with pytest.raises(InputError, match=words):
             BlendSpace(points)
     with pytest.raises(InputError, match="2 dimensions"):

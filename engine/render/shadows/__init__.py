@@ -9,5 +9,8 @@ camera, sun, bounding spheres ─► fit ─► cascades ─► rows of the view
                                     └─► caster masks, keys ─► passes/shadow_cascades.py ─► d32f array
 
 Depth in the maps is reversed as everywhere: 1 towards the sun, 0 away from it, cleared to 0 (nothing casts); a point is
-lit where its depth is at least the map's. May import engine.math, engine.scene, engine.report below engine.render.
+lit where its depth is at least the map's.
+
+Only direct light of the first sun is shadowed: the environment's if it has one, else the first directional light.
+Solid lit surfaces cast, blended and unlit ones do not; all lit surfaces, blended ones too, show shadows.
 """

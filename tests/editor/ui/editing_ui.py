@@ -95,6 +95,54 @@ def a_selection_of_many_moves_together(ctx: Any, app: App) -> None:
     assert len(document.history.entries) == 2
 
 
+def the_gizmo_turns_and_scales(ctx: Any, app: App) -> None:
+    document = prepare(ctx, app, 2, mode="scale")
+    nodes = document.runtime.scene.nodes
+    drag(ctx, on_screen(app, (0, 1, 0), 0.055), on_screen(app, (0, 1, 0), 0.1))
+    assert nodes.scale[2][0] > 1.2, nodes.scale[2]
+    assert nodes.scale[2][1:].tolist() == [1.0, 1.0]
+    assert document.history.undo_label == "Scale lid"
+    app.ui.session.undo()
+    app.ui.session.tools.mode = "rotate"
+    ctx.yield_(2)
+    # seen from the front, the ring round Z is a circle
+    for reach in (0.05, 0.055, 0.06, 0.065, 0.07):
+        drag(ctx, on_screen(app, (0, 1, 0), reach * 0.8, -reach * 0.6), on_screen(app, (0, 1, 0), 0.0, -0.08))
+        if document.history.undo_label:
+            break
+    assert document.history.undo_label == "Turn lid"
+    assert nodes.translation[2].tolist() == [0.0, 1.0, 0.0]
+    assert nodes.scale[2].tolist() == [1.0, 1.0, 1.0]
+    assert abs(float((nodes.rotation[2] ** 2).sum()) - 1.0) < 1e-9
+
+
+def what_is_edited_is_set_for_all_selected(ctx: Any, app: App) -> None:
+    document = prepare(ctx, app, 3, 2)
+    nodes = document.runtime.scene.nodes
+    ctx.item_drag_with_delta("//###Inspector/transform/##translation/$$0", (40, 0))
+    ctx.yield_(2)
+    x = nodes.translation[2][0]
+    assert x != 0.0
+    assert nodes.translation[3].tolist() == [x, 0.0, 0.0], "only the component that was edited"
+    assert nodes.translation[2].tolist() == [x, 1.0, 0.0]
+    assert [e.describe() for e in document.history.entries] == ["Move 2 nodes"]
+
+
+def the_console_runs_what_is_entered(ctx: Any, app: App) -> None:
+    document = prepare(ctx, app)
+    app.ui.session.ui.focus_panel = "Console"
+    ctx.yield_(3)
+    ctx.item_click("//###Console/##line")
+    ctx.key_chars_append_enter("edit('nodes', 'name', [2], ['typed'])")
+    ctx.yield_(3)
+    assert document.runtime.scene.nodes.name[2] == "typed"
+    ctx.key_press(imgui.Key.up_arrow)
+    ctx.yield_(2)
+    ctx.key_press(imgui.Key.mod_ctrl | imgui.Key.z)
+    ctx.yield_(2)
+    assert document.runtime.scene.nodes.name[2] == "typed", "undo in the line is the line's"
+
+
 def alt_drag_orbits_although_the_gizmo_is_there(ctx: Any, app: App) -> None:
     document = prepare(ctx, app, 2)
     yaw = app.ui.session.camera.yaw
@@ -320,6 +368,9 @@ TESTS = {
         two_gizmo_drags_are_two_entries,
         ctrl_snaps_to_whole_steps,
         a_selection_of_many_moves_together,
+        the_gizmo_turns_and_scales,
+        what_is_edited_is_set_for_all_selected,
+        the_console_runs_what_is_entered,
         alt_drag_orbits_although_the_gizmo_is_there,
         keys_choose_the_tool,
         delete_duplicate_and_undo_by_key,

@@ -1,0 +1,116 @@
+"""The Python console's interpreter: the session's operations and tables by name. No imgui.
+
+Names there: `session`, `document()`, `scene()`, `selection()`, `node(name)`, `run(operation)`, `operations()`,
+`edit(table, column, rows, values)`, `np`. What `run` and `edit` do can be undone like any other edit.
+"""
+
+from __future__ import annotations
+
+import code
+import contextlib
+import io
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from editor.operations import Operations
+from editor.session import Session
+from engine.core.errors import InputError
+
+LIMIT = 2000
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """`kind`: in (what was typed), out, error."""
+
+    kind: str
+    text: str
+
+
+class Console:
+    """`lines`: what stands in it. An unfinished block (`for …:`) is kept in `pending` until an empty line ends it."""
+
+    def __init__(self, session: Session, operations: Operations) -> None:
+        self.session = session
+        self.operations = operations
+        self.lines: list[Line] = []
+        self.entered: list[str] = []
+        self.pending: list[str] = []
+        self._interpreter = code.InteractiveInterpreter(self._names())
+
+    def push(self, text: str) -> None:
+        """Take one line and run it, or the block that it ends. Never raises: what goes wrong is written down."""
+        self._say("in", text)
+        if text.strip():
+            self.entered.append(text)
+        self.pending.append(text)
+        source = "\n".join(self.pending)
+        if not source.strip():
+            self.pending.clear()
+            return
+        out, problems = io.StringIO(), io.StringIO()
+        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(problems):
+            try:
+                unfinished = self._interpreter.runsource(source, "<console>")
+            except SystemExit:
+                unfinished = False
+                print("close the window to leave", file=problems)
+        if not unfinished:
+            self.pending.clear()
+            self.session.end_gesture()
+        for kind, written in (("out", out.getvalue()), ("error", problems.getvalue())):
+            for line in written.splitlines():
+                self._say(kind, line)
+
+    def complete(self, word: str) -> list[str]:
+        """Names and attributes that begin with `word`, such as `scene().no`; nothing is called to find them."""
+        stem, dot, start = word.rpartition(".")
+        names: dict[str, Any] = self._interpreter.locals
+        if not dot:
+            return sorted(n for n in names if n.startswith(start) and not n.startswith("__"))
+        if not stem.isidentifier() or stem not in names:
+            return []
+        return sorted(f"{stem}.{n}" for n in dir(names[stem]) if n.startswith(start) and not n.startswith("_"))
+
+    def clear(self) -> None:
+        self.lines.clear()
+        self.pending.clear()
+
+    def _say(self, kind: str, text: str) -> None:
+        self.lines.append(Line(kind, text))
+        del self.lines[:-LIMIT]
+
+    def _names(self) -> dict[str, Any]:
+        session = self.session
+
+        def document() -> Any:
+            if session.document is None:
+                raise InputError("no document is open")
+            return session.document
+
+        def scene() -> Any:
+            return document().runtime.scene
+
+        def selection() -> tuple[int, ...]:
+            return tuple(document().selection)
+
+        def node(name: str) -> int:
+            found = scene().find(name)
+            if found is None:
+                raise InputError(f"there is no node {name!r}")
+            return int(found.row)
+
+        def run(operation: str) -> bool:
+            return self.operations.run(operation, session)
+
+        def operations() -> list[str]:
+            return [o.id for o in self.operations]
+
+        def edit(table: str, column: str, rows: Sequence[int], values: Sequence[Any]) -> None:
+            document().edit(table, column, rows, values)
+
+        made = (document, scene, selection, node, run, operations, edit)
+        return {"__name__": "console", "session": session, "np": np, **{f.__name__: f for f in made}}
