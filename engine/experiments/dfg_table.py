@@ -185,6 +185,7 @@ EXPERIMENT = Experiment(
     step_label="1 / size of the table",
     time_label=f"median time of {LOOK_UPS:,} look-ups",
     note="A look-up costs the same whatever the size, as long as the table stays in the cache: what a larger table"
-    " costs are bytes and baking. The 64² one of half floats with its outer texels on the rim of the domain (“ends”) is the"
-    " renderer's: half a texel inside, four times the bytes are not as good. The fit was made for a masking that is not height-correlated.",
+    " costs are bytes and baking. The 64² one of half floats with its outer texels on the rim of the domain"
+    " (“ends”) is the renderer's: half a texel inside, four times the bytes are not as good. The fit was made for a"
+    " masking that is not height-correlated.",
 )
