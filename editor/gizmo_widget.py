@@ -12,9 +12,13 @@ from editor import gizmo
 from editor.document import Document
 from editor.gizmo import Grip
 from editor.ui import Ui
+from engine.math import quat, transform
 
 _g = imguizmo.im_guizmo
 OPERATIONS = {"move": _g.OPERATION.translate, "rotate": _g.OPERATION.rotate, "scale": _g.OPERATION.scale}
+#: seen exactly along an axis the widget finds no handle of scale: its planes go through the eye. This turns them by
+#: too little to be seen
+TILT = transform.compose((0.0, 0.0, 0.0), quat.from_axis_angle((0.6, 0.64, 0.48), 2e-3), (1.0, 1.0, 1.0))
 VERBS = {"move": "Move", "rotate": "Turn", "scale": "Scale"}
 
 
@@ -44,7 +48,7 @@ class GizmoWidget:
             return
         camera = session.camera
         view, clip = gizmo.camera_matrices(camera, width / max(height, 1.0))
-        held = pivot if not self.using else self._held
+        held = self._held if self.using else pivot @ TILT if mode == "scale" else pivot
         relative = held.copy()
         relative[:3, 3] -= camera.eye()
         matrix = _to_widget(relative)
@@ -54,6 +58,7 @@ class GizmoWidget:
         _g.set_drawlist(imgui.get_window_draw_list())
         _g.set_rect(x, y, width, height)
         _g.set_gizmo_size_clip_space(0.14)
+        _g.allow_axis_flip(False)  # an arrow always points the positive way
         _g.enable(not blocked)
         space = _g.MODE.local if _local(ui) else _g.MODE.world
         changed = bool(
@@ -87,7 +92,9 @@ class GizmoWidget:
         session = ui.session
         if mode == "scale":
             lengths = np.linalg.norm(now[:3, :3], axis=0) / np.linalg.norm(self._start[:3, :3], axis=0)
-            factors = (float(lengths[0]), float(lengths[1]), float(lengths[2]))
+            # within float32 of 1 an axis was not touched
+            x, y, z = (1.0 if abs(f - 1.0) < 1e-5 else float(f) for f in lengths)
+            factors = (x, y, z)
             if len(grip.rows) == 1:
                 values = gizmo.scaled_alone(grip, factors)
             else:

@@ -162,6 +162,7 @@ EXPERIMENT = Experiment(
             "bilinear inside (h²), constant in the half texel at the rim (h on h of the area)",
             "1 / size",
             step=_step,
+            curve="centres, half",
             tolerance=0.25,
             above=1.2e-4,
         ),

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import math
 import re
+import subprocess
 import sys
+import tempfile
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -229,30 +232,53 @@ class _Video:
 
     def __init__(self, path: Path, fps: float, size: tuple[int, int]) -> None:
         try:
-            import imageio_ffmpeg
+            from imageio_ffmpeg import get_ffmpeg_exe
         except ImportError as error:
             raise UsageError("videos need imageio-ffmpeg", hint="pip install lucarna[video], or write .png") from error
         if size[0] % 2 or size[1] % 2:
             raise UsageError(f"a video of {size[0]}x{size[1]}", hint="width and height must be even")
-        self._ffmpeg, self._path, self._fps, self._size = imageio_ffmpeg, path, fps, size
+        try:
+            program = str(get_ffmpeg_exe())
+        except RuntimeError as error:
+            raise UsageError("imageio-ffmpeg has no encoder for this system", hint="write .png instead") from error
+        self._path = path
+        kind = path.suffix.lower()
+        self._command = [
+            program, "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{size[0]}x{size[1]}",
+            "-r", f"{fps:g}", "-i", "-", "-an", "-c:v", VIDEOS[kind], "-pix_fmt", "yuv420p", "-crf", "20", "-b:v", "0",
+            "-f", kind[1:],
+        ]  # fmt: skip
 
     def __enter__(self) -> _Video:
-        self._context = atomic_path(self._path)
-        self._temporary = self._context.__enter__()
-        kind = self._path.suffix.lower()
-        self._writer = self._ffmpeg.write_frames(
-            str(self._temporary), self._size, fps=self._fps, codec=VIDEOS[kind], macro_block_size=2, quality=8,
-            ffmpeg_log_level="error", output_params=["-f", kind[1:]],
-        )  # fmt: skip
-        self._writer.send(None)
+        self._stack = contextlib.ExitStack()
+        temporary = self._stack.enter_context(atomic_path(self._path))
+        self._errors = self._stack.enter_context(tempfile.TemporaryFile())
+        self._process = subprocess.Popen(
+            [*self._command, str(temporary)], stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=self._errors
+        )
         return self
 
     def add(self, image: np.ndarray[Any, Any]) -> None:
+        """One more frame, u1[h,w,3]."""
+        assert self._process.stdin is not None
         try:
-            self._writer.send(np.ascontiguousarray(image))
+            self._process.stdin.write(np.ascontiguousarray(image).tobytes())
         except OSError as error:
-            raise OutputError(f"the video encoder gave up: {error}", where=self._path) from error
+            raise self._failed() from error
 
-    def __exit__(self, *error: Any) -> None:
-        self._writer.close()
-        self._context.__exit__(*error)
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: Any) -> None:
+        with self._stack:
+            # whatever ends the frames early ends the encoder too, and the unfinished file goes
+            if error is not None:
+                self._process.kill()
+            with contextlib.suppress(OSError):
+                self._process.communicate()
+            if error is not None:
+                raise error
+            if self._process.returncode != 0:
+                raise self._failed()
+
+    def _failed(self) -> OutputError:
+        self._errors.seek(0)
+        words = self._errors.read().decode(errors="replace").strip().splitlines()
+        return OutputError(f"the video encoder gave up: {words[-1] if words else 'no reason given'}", where=self._path)

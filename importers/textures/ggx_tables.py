@@ -33,7 +33,7 @@ def bake_dfg(size: int = DFG_SIZE) -> Doubles:
 
 
 def write_dfg(path: Path, size: int = DFG_SIZE) -> None:
-    """Bake the table and write it as rg16f. Look it up, linear, at (n·v, perceptual roughness) (n - 1) / n + 0.5 / n."""
+    """Bake the table and write it as rg16f. Look it up, linear, at (n·v, perceptual roughness) (n - 1) / n + 0.5/n."""
     table = bake_dfg(size).astype("<f2")
     extras: dict[str, object] = {"content": "ggx-dfg", "x": "n_dot_v", "y": "perceptual_roughness"}
     write_dds(path, TextureAsset("rg16f", size, size, [[table.tobytes()]], extras=extras))

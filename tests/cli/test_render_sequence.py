@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +19,7 @@ from engine.core.errors import UsageError
 from engine.report.image import load_png
 from importers.cli import render
 from importers.cli.main import main
-from importers.cli.render_sequence import check_arguments, picture_name, sequence
+from importers.cli.render_sequence import _Video, check_arguments, picture_name, sequence
 
 
 def parse(*words: str) -> argparse.Namespace:
@@ -109,10 +110,38 @@ def test_a_turntable_goes_round_at_one_distance(scene: Path, tmp_path: Path, gl_
 def test_a_video_has_every_frame(scene: Path, tmp_path: Path, gl_device) -> None:
     ffmpeg = pytest.importorskip("imageio_ffmpeg")
     out = tmp_path / "v.mp4"
-    assert main(["render", str(scene), "--out", str(out), "--size", "64x64", "--frames", "0:6", "--fps", "12"]) == 0
-    frames = ffmpeg.read_frames(str(out))
-    head = next(frames)
-    assert (head["size"], head["fps"], len(list(frames))) == ((64, 64), 12.0, 6)
+    assert (
+        main(
+            [
+                "render",
+                str(scene),
+                "--out",
+                str(out),
+                "--size",
+                "64x64",
+                "--frames",
+                "0:6",
+                "--fps",
+                "12",
+                "--orbit",
+                "0,0",
+            ]
+        )
+        == 0
+    )
+    decode = [ffmpeg.get_ffmpeg_exe(), "-loglevel", "error", "-i", str(out), "-f", "rawvideo", "-pix_fmt", "rgb24", "-"]
+    raw = subprocess.run(decode, check=True, capture_output=True).stdout
+    frames = np.frombuffer(raw, np.uint8).reshape(-1, 64, 64, 3)
+    assert len(frames) == 6
+    assert horizontal(frames[0]) < horizontal(frames[3]) < horizontal(frames[5])
+    before = out.read_bytes()
+    with (
+        pytest.raises(RuntimeError, match="stop"),
+        _Video(out, 12.0, (64, 64)) as video,
+    ):
+        video.add(frames[0])
+        raise RuntimeError("stop")
+    assert out.read_bytes() == before  # an unfinished video replaces nothing
     assert main(["render", str(scene), "--out", str(tmp_path / "o.mp4"), "--size", "63x64", "--frames", "0:2"]) == 2
     assert not (tmp_path / "o.mp4").exists()
     assert [p.name for p in tmp_path.glob(".*")] == []
