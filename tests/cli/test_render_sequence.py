@@ -135,13 +135,15 @@ def test_a_video_has_every_frame(scene: Path, tmp_path: Path, gl_device) -> None
     assert len(frames) == 6
     assert horizontal(frames[0]) < horizontal(frames[3]) < horizontal(frames[5])
     before = out.read_bytes()
-    with (
-        pytest.raises(RuntimeError, match="stop"),
-        _Video(out, 12.0, (64, 64)) as video,
-    ):
-        video.add(frames[0])
-        raise RuntimeError("stop")
+    with pytest.raises(RuntimeError, match="stop"):
+        stopped_after_one(out, frames[0])
     assert out.read_bytes() == before  # an unfinished video replaces nothing
     assert main(["render", str(scene), "--out", str(tmp_path / "o.mp4"), "--size", "63x64", "--frames", "0:2"]) == 2
     assert not (tmp_path / "o.mp4").exists()
     assert [p.name for p in tmp_path.glob(".*")] == []
+
+
+def stopped_after_one(out: Path, frame: np.ndarray) -> None:
+    with _Video(out, 12.0, (64, 64)) as video:
+        video.add(frame)
+        raise RuntimeError("stop")
