@@ -4,13 +4,16 @@
     app.py                hello_imgui window: device, fonts, layout, frame loop        (imgui)
     panels/ *.py          one panel a file, listed in panels.registry                  (imgui)
     dialogs/ *.py         open, save, progress, unsaved changes, palette, cards         (imgui)
-    menus, keys, widgets, param_widgets, overlay, axis_widget, theme, layout            (imgui)
+    menus, keys, widgets, param_widgets, theme, layout                                  (imgui)
+    overlay, markers, axis_widget, gizmo_widget      drawn over the picture             (imgui)
       |  read the session, call operations, propose edits
       v
     session.py            what the window works on: document, camera, settings, log    (no imgui, no GL)
       |-- operations.py   named user operations: menu, palette and keys are their doors
       |-- document.py     what is open; every edit is a Command on a table column
-      |     '-- commands/ Command + History: undo, redo, one entry per gesture
+      |     |-- commands/ Command, StructureCommand + History: undo, redo, one entry per gesture
+      |     '-- journal.py    every edit on disk as it happens; recovering.py restores what a killed session left
+      |-- tools, gizmo, selecting      move/turn/scale arithmetic, box selection, isolating, measuring
       |-- code/           shader files as text: documents, problems, completion
       |-- watch.py        edited shaders and materials on disk -> the runtime, and what is wrong with them
       |-- opening.py      path -> scene file, in a worker thread, cancellable

@@ -9,7 +9,7 @@ from typing import Any
 
 from imgui_bundle import hello_imgui, imgui
 
-from editor import file_drop, keys, layout, menus, theme
+from editor import file_drop, keys, layout, menus, recovering, theme
 from editor.dialogs import Dialogs
 from editor.dialogs.modals import draw_error_bar
 from editor.operations import Operations
@@ -210,7 +210,7 @@ class App:
         self.dialogs.draw(self.ui)
         if not imgui.is_any_item_active() and not imgui.is_mouse_down(imgui.MouseButton_.left):
             session.end_gesture()
-        session.keep_journal()
+        recovering.keep(session)
         self.ui.drawn += 1
         if self.frames:
             self._count_frames()

@@ -14,12 +14,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from editor import camera_controls, preferences, saving
+from editor import camera_controls, preferences, recovering, saving
 from editor.camera_controls import OrbitCamera
 from editor.code.files import CodeFiles
 from editor.document import Document
 from editor.host import Host
-from editor.journal import Journal, Recovery, discard, replay
+from editor.journal import Journal, Recovery
 from editor.messages import Messages
 from editor.opening import OpenJob
 from editor.playback import Playback
@@ -148,7 +148,7 @@ class Session:
             document.select(list(scene.nodes.name).index(self.select_on_open))
         self.preferences.add_recent(document.source)
         self.remember()
-        self._start_journal(document)
+        recovering.start(self, document)
 
     def close(self) -> None:
         """Close the open document, if any, without asking."""
@@ -163,46 +163,6 @@ class Session:
                 self.document.close()
             self.document = None
             self.playback = Playback()
-
-    def _start_journal(self, document: Document) -> None:
-        if self.recovery_folder is None:
-            return
-        try:
-            self.journal = Journal(document, self.recovery_folder)
-        except OSError as error:
-            self.messages.warn(f"Edits are not kept for a recovery: {error}", where=str(self.recovery_folder))
-
-    def keep_journal(self) -> None:
-        """Once a frame: snapshots, and a word when the journal cannot be written."""
-        if self.journal is not None and not self.interacting:
-            self.journal.tick()
-            if self.journal.problem:
-                self.messages.warn(f"Edits are no longer kept for a recovery: {self.journal.problem}")
-                self.journal.leave()
-                self.journal = None
-
-    def recover(self, recovery: Recovery) -> bool:
-        """Open what a session that died had open and do its edits again. False when not all of it could be."""
-        try:
-            resolved = recovery.resolved()
-            with self.device_frame():
-                runtime = self.host.open_runtime(self.device, resolved.scene, recovery.base)
-        except LucarnaError as error:
-            self.fail(error)
-            return False
-        document = Document(resolved, runtime)
-        document.base_path = recovery.base
-        self.adopt(document)
-        try:
-            replay(document, recovery.path)
-        except LucarnaError as error:
-            self.fail(error)
-            return False
-        document.base_path = None
-        discard(recovery.path)
-        edits = len(document.history.entries)
-        self.ui.notice = f"{edits} edit{'s' if edits != 1 else ''} restored"
-        return True
 
     def fail(self, error: LucarnaError) -> None:
         """Log an error and show it in the bar; nothing else changes."""

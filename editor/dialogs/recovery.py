@@ -9,6 +9,7 @@ from imgui_bundle import imgui
 from editor import icons, theme
 from editor.dialogs.modals import begin_card, center_next_window
 from editor.journal import discard
+from editor.recovering import recover
 from editor.ui import Ui
 from editor.widgets import bold, em, fitted_text, text
 
@@ -37,7 +38,7 @@ class RecoveryModal:
             imgui.spacing()
             if imgui.button("Restore", (em(6), 0)):
                 waiting.pop(0)
-                ui.session.recover(recovery)
+                recover(ui.session, recovery)
             imgui.same_line()
             if imgui.button("Later", (em(6), 0)) or imgui.is_key_pressed(imgui.Key.escape):
                 waiting.pop(0)

@@ -18,6 +18,7 @@ from editor.commands import structure
 from editor.document import Document
 from editor.journal import Journal, pending, replay
 from editor.preferences import Preferences
+from editor.recovering import recover
 from editor.session import Session
 from engine.assets.scene_json import read_scene
 from engine.core.errors import InputError
@@ -150,7 +151,7 @@ def test_a_session_recovers_and_journals_on(tmp_path: Path, monkeypatch: pytest.
     second = session()
     (found,) = pending(tmp_path / "recovery")
     assert found.name == "thing.glb"
-    assert second.recover(found)
+    assert recover(second, found)
     assert second.document is not None
     assert [e.describe() for e in second.document.history.entries] == ["Hide body", "Group lid"]
     assert second.document.dirty

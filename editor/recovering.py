@@ -1,0 +1,56 @@
+"""A session and its journal: one with each document, kept up; what a dead session left, restored. No imgui."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from editor.document import Document
+from editor.journal import Journal, Recovery, discard, replay
+from engine.core.errors import LucarnaError
+
+if TYPE_CHECKING:
+    from editor.session import Session
+
+
+def start(session: Session, document: Document) -> None:
+    """Journal the document's edits from now on, where the session has a folder for it."""
+    if session.recovery_folder is None:
+        return
+    try:
+        session.journal = Journal(document, session.recovery_folder)
+    except OSError as error:
+        session.messages.warn(f"Edits are not kept for a recovery: {error}", where=str(session.recovery_folder))
+
+
+def keep(session: Session) -> None:
+    """Once a frame: snapshots, and a word when the journal cannot be written."""
+    if session.journal is not None and not session.interacting:
+        session.journal.tick()
+        if session.journal.problem:
+            session.messages.warn(f"Edits are no longer kept for a recovery: {session.journal.problem}")
+            session.journal.leave()
+            session.journal = None
+
+
+def recover(session: Session, recovery: Recovery) -> bool:
+    """Open what a session that died had open and do its edits again. False when not all of it could be."""
+    try:
+        resolved = recovery.resolved()
+        with session.device_frame():
+            runtime = session.host.open_runtime(session.device, resolved.scene, recovery.base)
+    except LucarnaError as error:
+        session.fail(error)
+        return False
+    document = Document(resolved, runtime)
+    document.base_path = recovery.base
+    session.adopt(document)
+    try:
+        replay(document, recovery.path)
+    except LucarnaError as error:
+        session.fail(error)
+        return False
+    document.base_path = None
+    discard(recovery.path)
+    edits = len(document.history.entries)
+    session.ui.notice = f"{edits} edit{'s' if edits != 1 else ''} restored"
+    return True
