@@ -29,7 +29,7 @@ class Channel:
 
 @dataclass(slots=True)
 class ClipAsset:
-    """`start`: the source's own time, in seconds, of this clip's 0; `frame_rate`: its frames per second, 0 = unknown."""
+    """`start`: the source's own time (s) of this clip's 0; `frame_rate`: its frames per second, 0 = unknown."""
 
     name: str
     channels: list[Channel] = field(default_factory=list)

@@ -18,7 +18,7 @@ BLOCKS: dict[str, tuple[int, int]] = {
     **FORMATS, "rg11b10f": (1, 4), "rgb10a2": (1, 4), "r32ui": (1, 4), "rg32ui": (1, 8), "d32f": (1, 4),
 }  # fmt: skip
 
-#: format -> (number type, channels) that Texture.read gives; packed formats come unpacked as f4, block-compressed ones decoded
+#: format -> (number type, channels) that Texture.read gives; packed formats come unpacked as f4, blocks decoded
 READ_AS: dict[str, tuple[str, int]] = {
     "r8": ("<u1", 1), "rg8": ("<u1", 2), "rgba8": ("<u1", 4), "rgba8-srgb": ("<u1", 4),
     "r16f": ("<f2", 1), "rg16f": ("<f2", 2), "rgba16f": ("<f2", 4),

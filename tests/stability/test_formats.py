@@ -94,8 +94,9 @@ def test_dfg_table_between_its_texels(gl_device: Device, probe: ShaderProbe) -> 
     """The filtered table against float64 quadrature, half-way between texels where it is worst."""
     table = DfgTable(gl_device)
     mu, rough = (x.reshape(-1) for x in np.meshgrid([0.1, 0.207, 0.5, 0.83, 0.99], [0.1, 0.25, 0.51, 0.77, 1.0]))
+    look_up = "float n = float(textureSize(t_probe, 0).x); vec2 at = (vec2(mu, rough) * (n - 1.0) + 0.5) / n;"
     got = probe(
-        "result.xy = textureLod(t_probe, vec2(mu, rough), 0.0).rg;", textures={11: (table.texture, table.sampler)},
+        look_up + " result.xy = textureLod(t_probe, at, 0.0).rg;", textures={11: (table.texture, table.sampler)},
         declare="layout(binding = 11) uniform sampler2D t_probe;", mu=mu, rough=rough,
     )[:, :2]  # fmt: skip
     table.release()
