@@ -21,6 +21,9 @@ def run(ctx: Context) -> list[Row]:
             note = f"{calls} API calls, {int(stage.counters['draws'])} draws, {goal}".rstrip(", ")
             rows.append(Row(row.case, row.stage, row.time, note=note))
         stage.close()
+        shadowed = EngineStage("null", count, shadows=True)
+        rows.append(ctx.measure(f"{count} cubes", "moving, with sun shadows", _frame(shadowed, True)))
+        shadowed.close()
     return rows
 
 

@@ -40,9 +40,9 @@ def motion(points: NDArray[np.float64], phases: int = 4) -> list[NDArray[np.floa
 
 
 class EngineStage:
-    """The engine's own way: nodes, instances, materials, a sun. `backend`: gl or null."""
+    """The engine's own way: nodes, instances, materials, a sun. `backend`: gl or null. The floor casts no shadows."""
 
-    def __init__(self, backend: str, count: int) -> None:
+    def __init__(self, backend: str, count: int, *, shadows: bool = False) -> None:
         self.device: Any = open_device(backend)
         if backend == "null":
             self.device.record = False
@@ -72,7 +72,7 @@ class EngineStage:
         )  # fmt: skip
         self.runtime.update()
         camera = frame_bounds(*self.runtime.bounds(), SIZE[0] / SIZE[1])
-        self.view = View(camera, *SIZE, RenderSettings(samples=1))
+        self.view = View(camera, *SIZE, RenderSettings(samples=1, shadows=shadows))
         self._tick = 0
         self.counters: dict[str, float] = {}
 
