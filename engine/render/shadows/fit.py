@@ -57,9 +57,14 @@ class Boxes:
 def boxes_of(center: F8, radius: F8, axes: F8, eye: F8 | None = None, forward: F8 | None = None) -> Boxes:
     """Boxes around world spheres `center` [n,3], `radius` [n]; with view depths where `eye` and `forward` are given."""
     at = axes @ center.T
-    depth = np.zeros(0) if eye is None or forward is None else (center - eye) @ forward
-    reach = radius if len(depth) else np.zeros(0)
-    return Boxes(at - radius, at + radius, depth - reach, depth + reach)
+    boxes = Boxes(at - radius, at + radius, np.zeros(0), np.zeros(0))
+    return boxes if eye is None or forward is None else with_depths(boxes, center, radius, eye, forward)
+
+
+def with_depths(boxes: Boxes, center: F8, radius: F8, eye: F8, forward: F8) -> Boxes:
+    """The same boxes with the view depths of their spheres."""
+    depth = center @ forward - float(eye @ forward)
+    return Boxes(boxes.low, boxes.high, depth - radius, depth + radius)
 
 
 def view_range(camera: Camera, receivers: Boxes, distance: float) -> tuple[float, float] | None:
@@ -108,8 +113,9 @@ def _around(
     inside = receivers.near <= far
     if not inside.any():
         return None
-    low = np.maximum(receivers.low[:, inside].min(axis=1), middle - radius)
-    high = np.minimum(receivers.high[:, inside].max(axis=1), middle + radius)
+    everything = slice(None) if inside.all() else np.flatnonzero(inside)  # the last cascade copies nothing
+    low = np.maximum([receivers.low[axis][everything].min() for axis in range(3)], middle - radius)
+    high = np.minimum([receivers.high[axis][everything].max() for axis in range(3)], middle + radius)
     if not (np.isfinite(low).all() and np.isfinite(high).all() and (high >= low).all()):
         return None
     spot = (low + high) / 2
