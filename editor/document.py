@@ -104,12 +104,15 @@ class Document:
 
     def _find_bounds(self, rows: tuple[int, ...]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         scene = self.runtime.scene
-        if not rows:
-            low, high = scene.bounds()
-            return np.asarray(low, dtype=np.float64), np.asarray(high, dtype=np.float64)
         nodes = sorted({n for row in rows for n in self.subtree(row)})
         points: list[NDArray[np.float64]] = []
-        wanted = np.flatnonzero(np.isin(np.asarray(scene.instances.node), nodes))
+        if rows:
+            wanted = np.flatnonzero(np.isin(np.asarray(scene.instances.node), nodes))
+        else:
+            wanted = np.flatnonzero(scene.instances.drawn)
+        if not rows and len(wanted) == 0:
+            low, high = scene.bounds()
+            return np.asarray(low, dtype=np.float64), np.asarray(high, dtype=np.float64)
         if len(wanted) > EXACT_LIMIT:
             center, radius = scene.instances.world_center[wanted], scene.instances.world_radius[wanted, None]
             return (center - radius).min(axis=0), (center + radius).max(axis=0)
