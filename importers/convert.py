@@ -11,7 +11,7 @@ import shutil
 import tempfile
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from engine.assets.lanim import write_lanim
@@ -19,14 +19,18 @@ from engine.assets.lmesh import write_lmesh
 from engine.assets.material_toml import write_material
 from engine.assets.scene import SceneAsset
 from engine.assets.scene_json import write_scene
-from engine.core.errors import InputError, OutputError
+from engine.core.atomic import atomic_path
+from engine.core.errors import OutputError
 from engine.core.findings import Findings
-from importers.fingerprint import source_key
+from importers.fingerprint import inputs_of, key_of
+from importers.gltf.variants import name_variants
 from importers.model import ImportedModel, TextureUse
 from importers.naming import UniqueNames, safe_name
+from importers.processing import finish
 from importers.registry import Importer, find_importer
 from importers.settings import ImportSettings
 from importers.texture_cache import TextureJob, write_textures
+from importers.texture_settings import texture_settings
 
 Progress = Callable[[str, float], None]
 
@@ -80,10 +84,14 @@ def stage(
     base = safe_name(name or source.stem)
     provenance = {
         "source": source.name.encode("utf-8", "replace").decode("utf-8"),
-        "source_hash": key or source_key(source, importer, settings),
+        "source_hash": key or _key(source, importer, settings, base),
         "importer": f"{importer.name} {importer.version}",
     }
     clock = time.perf_counter()
+    finish(model, settings)
+    timings["process"] = time.perf_counter() - clock
+    clock = time.perf_counter()
+    _write_lone(model, folder / f"{base}.dds")
     _write_textures(model, folder, base, settings, progress)
     timings["textures"] = time.perf_counter() - clock
     clock = time.perf_counter()
@@ -91,10 +99,13 @@ def stage(
     for material in model.materials:
         files.append(f"{names.take(f'{base}.{safe_name(material.asset.name)}')}.material.toml")
         write_material(folder / files[-1], material.asset)
+    _write_profiles(model, folder, base)
     scene = SceneAsset(
         model.name, model.nodes, environment=model.environment, look=model.look,
         active_camera=model.active_camera, provenance=provenance,
     )  # fmt: skip
+    for mesh in model.meshes:
+        name_variants(mesh, files)
     if model.meshes:
         write_lmesh(folder / f"{base}.lmesh", model.meshes, provenance)
     for node in model.nodes:
@@ -112,6 +123,11 @@ def stage(
     return path
 
 
+def _key(source: Path, importer: Importer, settings: ImportSettings, name: str) -> str:
+    inputs = inputs_of(source, importer, settings)
+    return key_of(inputs, importer, settings, "" if name == safe_name(source.stem) else name)
+
+
 def _write_textures(
     model: ImportedModel, folder: Path, base: str, settings: ImportSettings, progress: Progress | None
 ) -> None:
@@ -124,7 +140,8 @@ def _write_textures(
     for use in users:
         roles.setdefault(use.image, set()).add(use.role)
     names = UniqueNames()
-    jobs = []
+    jobs: list[TextureJob] = []
+    shown: list[list[tuple[int, str]]] = []
     for use, slots in sorted(users.items(), key=lambda item: (item[0].image, item[0].role, item[1])):
         source = model.images[use.image]
         data = source.data()
@@ -138,11 +155,52 @@ def _write_textures(
         file = f"{names.take(f'{base}.{safe_name(title)}')}.dds"
         references = [model.materials[m].asset.textures[slot] for m, slot in slots]
         wrap = all(r.wrap_u == r.wrap_v == "repeat" for r in references)
-        jobs.append(TextureJob(use, data, folder / file, source.path, wrap))
+        own, role = texture_settings(source, use.role, settings)
+        job = TextureJob(replace(use, role=role), data, folder / file, source.path, wrap, settings=own)
+        if own.roughness_from_normals and role == "metal_rough":
+            job = replace(job, normal=_normal_map_over(model, slots[0][0]))
+        jobs.append(job)
+        shown.append(slots)
     written = write_textures(jobs, settings, model.findings, progress)
-    for job, path in zip(jobs, written, strict=True):
-        for m, slot in users[job.use]:
+    for slots, path in zip(shown, written, strict=True):
+        for m, slot in slots:
             model.materials[m].asset.textures[slot].path = path.name if path is not None else ""
+
+
+def _write_lone(model: ImportedModel, path: Path) -> None:
+    """The texture of a source that is an image, and who shows it."""
+    if model.lone is None:
+        return
+    from engine.assets.dds import write_dds
+
+    write_dds(path, model.lone.build())
+    if model.lone.environment:
+        model.environment.path = path.name
+    for material in model.materials:
+        material.asset.textures["base_color_map"].path = path.name
+
+
+def _write_profiles(model: ImportedModel, folder: Path, base: str) -> None:
+    """The light profiles, and the lights that name them."""
+    names, files = UniqueNames(), {}
+    for name, data in model.profiles.items():
+        title = safe_name(name.removesuffix(".ies"))
+        files[name] = f"{names.take(f'{base}.{title}')}.ies"
+        with atomic_path(folder / files[name]) as temporary:
+            temporary.write_bytes(data)
+    for node in model.nodes:
+        if node.light is not None and node.light.profile:
+            node.light = replace(node.light, profile=files.get(node.light.profile, node.light.profile))
+
+
+def _normal_map_over(model: ImportedModel, material: int) -> bytes | None:
+    """The file of the material's normal map, where it lies on the mesh as its metal_rough map does."""
+    asset, use = model.materials[material].asset, model.materials[material].images.get("normal_map")
+    one, two = asset.textures.get("normal_map"), asset.textures.get("metal_rough_map")
+    if use is None or one is None or two is None:
+        return None
+    same = (one.uv_set, one.offset, one.scale, one.rotation) == (two.uv_set, two.offset, two.scale, two.rotation)
+    return model.images[use.image].data() if same else None
 
 
 def _staging_folder(out: Path) -> Path:
@@ -179,22 +237,3 @@ def _publish(staging: Path, out: Path) -> list[Path]:
             f"cannot write: {error.strerror or error}", where=out, hint="check the free space and the rights"
         ) from error
     return targets
-
-
-def sources_in(path: Path) -> list[Path]:
-    """The importable files at `path`: itself, or all below it, sorted. Raises InputError where there are none."""
-    from importers.registry import source_extensions
-
-    if path.is_file():
-        return [path]
-    if not path.is_dir():
-        if path.exists():
-            raise InputError("is not a regular file", where=path, hint="pipes and devices are not read")
-        from importers.gltf.uris import similar_name_hint
-
-        raise InputError("there is no such file or folder", where=path, hint=similar_name_hint(path))
-    known = source_extensions()
-    found = sorted(p for p in path.rglob("*") if p.name.lower().endswith(known) and p.is_file())
-    if not found:
-        raise InputError("the folder holds no file that can be imported", where=path, hint=f"known: {', '.join(known)}")
-    return found

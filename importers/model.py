@@ -10,6 +10,7 @@ from engine.assets.clip import ClipAsset
 from engine.assets.material import MaterialAsset
 from engine.assets.mesh import MeshAsset
 from engine.assets.scene import EnvironmentAsset, LookAsset, NodeAsset
+from engine.assets.texture import TextureAsset
 from engine.core.findings import Findings
 
 
@@ -18,12 +19,15 @@ class SourceImage:
     """An image of the source, still encoded. `data` gives None where it is not to be had (a finding says why).
 
     `name` may be empty: then the first slot that shows it names its file. `path`: where it is in the
-    source (`images[2]`), for findings.
+    source (`images[2]`), for findings. `file`: its file, where it has one of its own. `flip_green`: a normal map with
+    +Y down, as its name says.
     """
 
     name: str
     data: Callable[[], bytes | None]
     path: str
+    file: str = ""
+    flip_green: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,6 +51,17 @@ class ImportedMaterial:
     images: dict[str, TextureUse] = field(default_factory=dict)
 
 
+@dataclass(frozen=True, slots=True)
+class LoneTexture:
+    """The texture of a source that is an image itself; its file is named as the source.
+
+    `build` makes it, and raises InputError. The base colour of the only material shows it, where there is one; with
+    `environment` it is the scene's light."""
+
+    build: Callable[[], TextureAsset]
+    environment: bool = False
+
+
 @dataclass(slots=True)
 class ImportedModel:
     """A whole source. `slots[m][s]` is the material index of slot s of mesh m, -1 for the default material.
@@ -61,10 +76,13 @@ class ImportedModel:
     slots: list[list[int]] = field(default_factory=list)
     materials: list[ImportedMaterial] = field(default_factory=list)
     images: list[SourceImage] = field(default_factory=list)
+    lone: LoneTexture | None = None
     nodes: list[NodeAsset] = field(default_factory=list)
     clips: list[ClipAsset] = field(default_factory=list)
     active_camera: int = -1
     environment: EnvironmentAsset = field(default_factory=EnvironmentAsset)
     look: LookAsset = field(default_factory=LookAsset)
+    #: IES files by the name that LightAsset.profile has; `convert` writes them beside the scene
+    profiles: dict[str, bytes] = field(default_factory=dict)
     dependencies: list[Path] = field(default_factory=list)
     summary: dict[str, object] = field(default_factory=dict)

@@ -1,6 +1,14 @@
 """Which importer reads a file: by its extension, and where that says nothing, by its first bytes.
 
 Adding a format is one `Importer` row here and a package of its own beside `gltf`; its module is imported when used.
+Its settings are fields in importers/settings.py. What it must keep to:
+
+    load(path, settings) -> ImportedModel            may run in a worker process: no state kept between files, no
+                                                     writes outside user_cache_dir(), InputError or FormatError only
+    dependencies(path, settings) -> [(name, path)]   every further file that the bytes depend on, also where it is
+                                                     missing; without the work of loading
+
+Files that are opened and folders that are listed meanwhile are noticed by the farm by itself (importers.farm.trace).
 """
 
 from __future__ import annotations
@@ -12,6 +20,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from engine.core.errors import FormatError
+from importers.fallback.formats import EXTENSIONS as OTHER_FORMATS
 from importers.ogre.sniff import is_ogre
 
 if TYPE_CHECKING:
@@ -23,7 +32,9 @@ if TYPE_CHECKING:
 class Importer:
     """`module` has `load(path, settings) -> ImportedModel` and `dependencies(path, settings) -> [(uri, path)]`.
 
-    `version` is part of every cache key: raise it whenever the same source would give other bytes.
+    `version` is part of every cache key: raise it whenever the same source would give other bytes. `in_folders`:
+    whether folders are searched for such files; False for what is mostly a part of other sources (images), which is
+    converted when it is named. `extra`: the optional extra whose absence the module reports.
     """
 
     name: str
@@ -31,10 +42,20 @@ class Importer:
     extensions: tuple[str, ...]
     version: int
     sniff: Callable[[bytes], bool]
+    in_folders: bool = True
+    extra: str = ""
 
     def load(self, path: Path, settings: ImportSettings) -> ImportedModel:
         """Read the source. Raises InputError, FormatError; lesser faults are findings of the model."""
         model: ImportedModel = importlib.import_module(self.module).load(path, settings)
+        if model.meshes and settings.clean_triangles:
+            from importers.processing import clean
+
+            clean(model, settings)
+        if model.materials and (settings.loose_textures or settings.materials or settings.textures):
+            from importers.loose_textures import complete
+
+            complete(model, path, settings)
         return model
 
     def dependencies(self, path: Path, settings: ImportSettings) -> list[tuple[str, Path]]:
@@ -51,23 +72,36 @@ def _is_fbx(head: bytes) -> bool:
     return head.startswith(b"Kaydara FBX Binary") or (head.lstrip().startswith(b";") and b"FBX" in head[:200])
 
 
+IMAGES = (
+    ".png", ".jpg", ".jpeg", ".tga", ".bmp", ".tif", ".tiff", ".webp", ".psd", ".psb", ".dds", ".ktx2", ".exr", ".hdr",
+    ".avif", ".gif",
+)  # fmt: skip
+
+
+def _is_image(head: bytes) -> bool:
+    starts = (b"\x89PNG", b"\xff\xd8\xff", b"8BPS", b"DDS ", b"\xabKTX 20", b"#?RADIANCE", b"\x76\x2f\x31\x01", b"BM")
+    return head.startswith(starts) or (head.startswith(b"RIFF") and head[8:12] == b"WEBP")
+
+
 IMPORTERS = (
-    Importer("glTF", "importers.gltf.reader", (".gltf", ".glb"), 1, _is_gltf),
-    Importer("FBX", "importers.fbx.reader", (".fbx",), 1, _is_fbx),
+    Importer("glTF", "importers.gltf.reader", (".gltf", ".glb"), 2, _is_gltf),
+    Importer("FBX", "importers.fbx.reader", (".fbx",), 2, _is_fbx),
+    Importer("image", "importers.images.reader", IMAGES, 1, _is_image, in_folders=False),
     Importer("Ogre", "importers.ogre.reader", (".mesh", ".mesh.xml"), 1, is_ogre),
+    Importer("other", "importers.fallback.reader", OTHER_FORMATS, 1, lambda head: False),
 )
 
 
-def source_extensions() -> tuple[str, ...]:
-    """All extensions that some importer reads, lower case."""
-    return tuple(extension for importer in IMPORTERS for extension in importer.extensions)
+def source_extensions(*, in_folders: bool = False) -> tuple[str, ...]:
+    """All extensions that some importer reads, lower case; with `in_folders` those that folders are searched for."""
+    return tuple(e for importer in IMPORTERS if importer.in_folders or not in_folders for e in importer.extensions)
 
 
 def find_importer(path: Path) -> Importer:
     """The importer for `path`. Raises FormatError, naming what can be read, where there is none."""
-    extension = path.suffix.lower()
+    extension, name = path.suffix.lower(), path.name.lower()
     for importer in IMPORTERS:
-        if extension in importer.extensions:
+        if name.endswith(importer.extensions):
             return importer
     if path.is_file():
         with path.open("rb") as file:

@@ -22,6 +22,7 @@ from engine.core.paths import user_cache_dir
 from importers.fingerprint import digest_of
 from importers.model import TextureUse
 from importers.settings import ImportSettings
+from importers.versions import ENCODER_VERSION
 
 _DECODING = threading.Lock()
 
@@ -30,13 +31,16 @@ _DECODING = threading.Lock()
 class TextureJob:
     """Encode the image file `data`, named at `place` in the source, for `use` into `target`.
 
-    `wrap`: it repeats in both directions wherever it is used."""
+    `wrap`: it repeats in both directions wherever it is used. `normal`: the image file of the normal map over it, where
+    its bumps are to count. `settings`: where they differ from those of the other textures."""
 
     use: TextureUse
     data: bytes
     target: Path
     place: str
     wrap: bool = True
+    normal: bytes | None = None
+    settings: ImportSettings | None = None
 
 
 def write_textures(
@@ -50,7 +54,7 @@ def write_textures(
     results: list[Path | None] = []
     workers = settings.jobs or min(len(jobs), os.cpu_count() or 1)
     with ThreadPoolExecutor(max(workers, 1)) as pool:
-        futures = [pool.submit(_write, job, settings) for job in jobs]
+        futures = [pool.submit(_write, job, job.settings or settings) for job in jobs]
         for number, (job, future) in enumerate(zip(jobs, futures, strict=True)):
             try:
                 future.result()
@@ -68,10 +72,8 @@ def write_textures(
 
 def texture_key(job: TextureJob, settings: ImportSettings) -> str:
     """The content key of an encoded texture: the image's bytes, and all that changes how they are encoded."""
-    from importers.textures.encode import ENCODER_VERSION
-
     use = f"{job.use.role} {job.use.alpha_cutoff} {job.wrap}"
-    return digest_of(job.data, use, settings.key(), ENCODER_VERSION)
+    return digest_of(job.data, use, settings.key("textures"), ENCODER_VERSION, job.normal or b"")
 
 
 def _write(job: TextureJob, settings: ImportSettings) -> None:
@@ -89,8 +91,15 @@ def _write(job: TextureJob, settings: ImportSettings) -> None:
     # Pillow's limits and warning filters are globals; and decoding holds Python's lock anyway
     with _DECODING:
         pixels = decode(job.data, job.place, settings)
+        bumps = None if job.normal is None else decode(job.normal, job.place, settings)
     texture = encode(
-        pixels, job.use.role, settings, alpha_cutoff=job.use.alpha_cutoff, wrap=job.wrap, threads=settings.jobs
+        pixels,
+        job.use.role,
+        settings,
+        alpha_cutoff=job.use.alpha_cutoff,
+        wrap=job.wrap,
+        threads=settings.jobs,
+        bumps=bumps,
     )
     write_dds(job.target, texture)
     try:

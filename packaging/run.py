@@ -63,10 +63,19 @@ def render_sample(setup: bootstrap.Setup, sample: Path) -> int:
     return 0
 
 
+def prepare() -> bootstrap.Setup:
+    """Lucarna with all optional packages; without them where one of them cannot be installed. Raises SetupError."""
+    try:
+        return bootstrap.prepare(extras=("full",), tests=False)
+    except bootstrap.SetupError as error:
+        bootstrap.say(f"the optional packages could not be installed, so they are left out: {error}")
+        return bootstrap.prepare(extras=(), tests=False)
+
+
 def main(arguments: list[str]) -> int:
     _interpreter.require()
     try:
-        setup = bootstrap.prepare(extras=(), tests=False)
+        setup = prepare()
     except bootstrap.SetupError as error:
         bootstrap.say(str(error))
         return 3

@@ -145,6 +145,11 @@ def _link(folder: Path) -> Path:
     return folder / "bad.glb"
 
 
+def _folder(folder: Path) -> Path:
+    (folder / "bad.glb").mkdir()
+    return folder / "bad.glb"
+
+
 def _missing_texture(b: GltfBuilder) -> None:
     b.root["images"][0] = {"uri": "skin.png"}
 
@@ -219,10 +224,10 @@ CASES = (
         False,
     ),
     Case(
-        "Draco required",
-        _set("extensionsRequired", ["KHR_draco_mesh_compression"]),
+        "unknown extension required",
+        _set("extensionsRequired", ["ACME_magic"]),
         1,
-        "without Draco",
+        "requires ACME_magic",
         "extensionsRequired",
         False,
     ),
@@ -322,6 +327,26 @@ CASES = (
     Case("buffer is a pipe", _pipe, 1, "not a regular file", "buffers[0].uri"),
     Case("source is missing", lambda folder: folder / "none.glb", 1, "no such file", "none.glb", False),
     Case("source is a device", _link, 1, "not a regular file", "bad.glb", False),
+    Case("a folder named .glb", _folder, 1, "holds no file that can be imported", "bad.glb", False),
+    Case("FBX named .glb", _text("bad.glb", b"Kaydara FBX Binary  \0\x1a\0"), 1, "is no glTF", "bad.glb", False),
+    Case(
+        "FBX with an open text",
+        _text("bad.fbx", '; FBX 7.4.0\nObjects: {\n\tModel: 1, "a\n}\n'),
+        1,
+        "line 3: a text",
+        "bad.fbx",
+        False,
+    ),
+    Case(
+        "FBX that nests 5,000 deep",
+        _text("bad.fbx", "; FBX 7.4.0\nA: " + "{ \n" * 5000),
+        1,
+        "nested deeper",
+        "bad.fbx",
+        False,
+    ),
+    Case("OBJ without anything", _text("bad.obj", ""), 1, "cannot read", "bad.obj", False),
+    Case("no Blender file", _text("bad.blend", "hello"), 1, "Assimp", "bad.blend", False),
     Case("unknown format", _text("bad.xyz", "hello"), 1, "no importer reads .xyz", "bad.xyz", False),
     Case(
         "output: a file is in the way",

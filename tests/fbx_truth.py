@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.core.errors import LucarnaError
-from importers.export_obj import Geometry, find_clip, obj_bytes, time_of_frame
+from importers.export.obj import Geometry, find_clip, obj_bytes, time_of_frame
 from importers.fbx.reader import load
 from importers.settings import ImportSettings
 

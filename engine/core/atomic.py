@@ -10,6 +10,21 @@ from pathlib import Path
 
 from engine.core.errors import OutputError
 
+#: folders (with a separator at the end) whose files may be lost when the machine loses its power
+_relaxed: list[str] = []
+
+
+@contextlib.contextmanager
+def relaxed(folder: Path) -> Iterator[None]:
+    """Meanwhile files below `folder` are not forced to the disk, which takes milliseconds each: for what is checked
+    before it is used, or dies with the process anyway."""
+    place = str(folder) + os.sep
+    _relaxed.append(place)
+    try:
+        yield
+    finally:
+        _relaxed.remove(place)
+
 
 @contextlib.contextmanager
 def atomic_path(path: Path) -> Iterator[Path]:
@@ -29,9 +44,10 @@ def atomic_path(path: Path) -> Iterator[Path]:
     temporary = Path(name)
     try:
         yield temporary
-        with temporary.open("rb+") as file:
-            os.fsync(file.fileno())
-        temporary.chmod(0o666 & ~_umask())
+        if not name.startswith(tuple(_relaxed)):
+            with temporary.open("rb+") as file:
+                os.fsync(file.fileno())
+        temporary.chmod(0o666 & ~umask())
         temporary.replace(path)
     except OSError as error:
         raise OutputError(
@@ -52,7 +68,7 @@ def write_text(path: Path, text: str) -> None:
     write_bytes(path, text.encode("utf-8"))
 
 
-def _umask() -> int:
+def umask() -> int:
     mask = os.umask(0)
     os.umask(mask)
     return mask

@@ -3,7 +3,9 @@
     main     COMMANDS table, --help without heavy imports, errors -> stderr and exit code
     convert  sources -> our files             inspect  what is in a file           check   findings only
     render   scene -> picture                 play     a plain window              edit    the editor
+    lights   many lights over a scene
     new      a project from the template      doctor   device and libraries        report  error against time
+    cache    what the import cache holds      settings_flags   flags of imports, from importers/settings.py
 
 A command module has `add_arguments(parser)` and `run(args) -> exit code`: 0 done, 1 some input is bad, 2 wrong usage,
 3 could not run. Machine output (--json) alone goes to stdout; errors go to stderr.

@@ -15,6 +15,7 @@ from importers.cli.render_camera import add_camera_arguments, free_camera
 from importers.cli.render_sequence import (
     add_sequence_arguments,
     check_arguments,
+    play_animation,
     play_clips,
     sequence,
     write_sequence,
@@ -45,11 +46,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--environment", help="studio | sky | uniform | none | an .hdr or .exr file, instead of the scene's"
     )
-    parser.add_argument("--view", help="debug view: base_color, normal, roughness, metallic, occlusion, emission")
+    parser.add_argument(
+        "--view", help="debug view: base_color, normal, roughness, metallic, occlusion, emission, nonfinite, …"
+    )
+    parser.add_argument(
+        "--path", choices=("auto", "forward", "deferred", "tiled-deferred", "forward-plus"),
+        help="how local lights reach surfaces, all with one picture (default auto: the cheapest; --explain says why)",
+    )  # fmt: skip
     parser.add_argument(
         "--set", dest="settings", action="append", default=[], metavar="NAME=VALUE", help="set any render setting"
     )
     parser.add_argument("--force-all", action="store_true", help="leave nothing out (the picture must be the same)")
+    parser.add_argument(
+        "--check-numbers", action="store_true", help="say which pass made the first NaN or infinity, and where; exit 1"
+    )
     parser.add_argument("--explain", action="store_true", help="say which passes and branches were left out, and why")
     parser.add_argument("--stats", type=Path, metavar="FILE.json", help="write per-pass times and counters")
     parser.add_argument("--preset", default="normal", help="texture quality where a source has to be converted")
@@ -70,9 +80,10 @@ def run(args: argparse.Namespace) -> int:
     device = open_device("gl")
     runtime = Runtime(device, profile=args.stats is not None, pixels=width * height)
     try:
-        findings = open_path(runtime, args.scene, settings=ImportSettings(preset=args.preset))
+        findings = open_path(runtime, args.scene, settings=ImportSettings(quality=args.preset))
         _apply_environment(runtime, args.environment)
         play_clips(runtime, args.clip)
+        play_animation(runtime, args)
         runtime.update(args.time)
         opened = time.perf_counter()
         plan = sequence(args, runtime.duration)
@@ -90,9 +101,15 @@ def run(args: argparse.Namespace) -> int:
         if args.explain:
             _explain(runtime, frame)
         if args.stats is not None:
-            _write_stats(args, frame, opened - start, time.perf_counter() - start)
+            _write_stats(args, frame, opened - start, time.perf_counter() - start, runtime.renderer.path.reason)
         print(f"{args.out}: {width}x{height}, {time.perf_counter() - start:.2f} s")
         failed = findings.has_errors or bool(runtime.renderer.programs.errors)
+        if args.check_numbers and frame.numbers is not None:
+            picture, numbers = runtime.renderer.first_bad or (0, frame.numbers)
+            if plan is not None and numbers.first is not None:
+                print(f"picture {picture + 1} of {len(plan.times)}:")
+            print("\n".join(numbers.lines()))
+            failed = failed or numbers.first is not None
     finally:
         runtime.close()
     return 1 if failed else 0
@@ -115,11 +132,13 @@ def _render_settings(args: argparse.Namespace) -> RenderSettings:
         if not separator:
             raise UsageError(f"--set {item!r}: expected NAME=VALUE")
         values[name.strip()] = value.strip()
-    for name in ("exposure", "tone_map", "view"):
+    for name in ("exposure", "tone_map", "view", "path"):
         if getattr(args, name) is not None:
             values[name] = getattr(args, name)
     if args.force_all:
         values["force_all"] = True
+    if args.check_numbers:
+        values["check_numbers"] = True
     return RenderSettings(**values)
 
 
@@ -182,17 +201,22 @@ def _explain(runtime: Runtime, frame: Frame) -> None:
 
     for line in explain(frame.graph, runtime.residency.effects.variants()):
         print(line)
+    choice = runtime.renderer.path
+    print(f"path {choice.path}: {choice.reason}")
     for macro, value in frame.facts.variant_defines().items():
         if not value and macro != "DEBUG_VIEW":
             print(f"branch {macro}: left out of every surface shader, the scene has none of it")
 
 
-def _write_stats(args: argparse.Namespace, frame: Frame, open_s: float, total_s: float) -> None:
+def _write_stats(args: argparse.Namespace, frame: Frame, open_s: float, total_s: float, reason: str) -> None:
     from engine.core.atomic import write_text
 
     data = frame.stats.to_json()
     data["seconds"] = {"open": round(open_s, 4), "total": round(total_s, 4)}
+    data["path"] = {"name": frame.facts.lighting.path, "reason": reason}
     data["left_out"] = [
         {"pass": item.name, "reason": item.reason, "bytes": item.saved} for item in frame.graph.left_out
     ]
+    if frame.numbers is not None:
+        data["numbers"] = frame.numbers.to_json()
     write_text(args.stats, json.dumps(data, indent=2, sort_keys=True) + "\n")

@@ -49,6 +49,13 @@ def add_sequence_arguments(parser: argparse.ArgumentParser) -> None:
         "--clip", action="append", default=[], metavar="NAME", help="play this clip (name or number; again: over it)"
     )
     parser.add_argument(
+        "--animation", type=Path, metavar="FILE", help="let this *.animation.toml pose the scene, instead of clips"
+    )
+    parser.add_argument("--drive", choices=("timeline", "states"), default="", help="which part of the animation")
+    parser.add_argument(
+        "--param", action="append", default=[], metavar="NAME=VALUE", help="set a parameter of the animation's states"
+    )
+    parser.add_argument(
         "--frames",
         default="",
         metavar="A:B",
@@ -95,6 +102,26 @@ def play_clips(runtime: Runtime, names: list[str]) -> None:
     if names:
         known = {clip.name for clip in runtime.clips}
         runtime.play(*(int(n) if n.isdecimal() and n not in known else n for n in names))
+
+
+def play_animation(runtime: Runtime, args: argparse.Namespace) -> None:
+    """Play --animation with its --param. Raises InputError, UsageError."""
+    if args.animation is not None:
+        runtime.animate(args.animation, args.drive)
+    elif args.drive:
+        runtime.set_drive(args.drive)
+    for item in args.param:
+        name, separator, value = item.partition("=")
+        try:
+            number = float({"true": "1", "false": "0"}.get(value.strip().lower(), value))
+        except ValueError:
+            separator = ""
+        if not separator:
+            raise UsageError(f"--param {item!r}: expected NAME=VALUE with a number, true or false")
+        animator = runtime.deck.animator
+        if animator is None:
+            raise UsageError("--param needs an animation whose states drive", hint="--animation FILE --drive states")
+        animator.set(name.strip(), number)
 
 
 def sequence(args: argparse.Namespace, duration: float) -> Sequence | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,25 +17,38 @@ if TYPE_CHECKING:
     from engine.render.camera import Camera
     from engine.render.frame import Frame
     from engine.render.view import View
+    from engine.resources.residency import Residency
+    from engine.scene.scene import Scene
 
 Floats = NDArray[np.float32]
+
+#: of the folder of sample assets that LUCARNA_ASSETS names, where there is one: textured, skinned, of many parts
+SHARED = ("DamagedHelmet", "CesiumMilkTruck", "CesiumMan", "2CylinderEngine", "MetalRoughSpheres")
 
 
 class RuntimeScene:
     """A scene in a runtime of its own: nothing is compiled or uploaded before the first frame."""
 
     def __init__(self, path: Path, device: Device) -> None:
-        from engine.app.runtime import Runtime
+        from engine.app.runtime import MANY_PICTURES, Runtime
         from importers.opening import open_path
 
         self.name = path.name.removesuffix(".scene.json")
-        self._runtime = Runtime(device, profile=False)
+        self._runtime = Runtime(device, profile=False, pixels=MANY_PICTURES)
         try:
             open_path(self._runtime, path)
             self._runtime.update(0.0)
         except BaseException:
             self._runtime.close()
             raise
+
+    @property
+    def scene(self) -> Scene:
+        return self._runtime.scene
+
+    @property
+    def residency(self) -> Residency:
+        return self._runtime.residency
 
     def camera(self, aspect: float) -> Camera:
         return self._runtime.default_camera(aspect)
@@ -44,9 +58,14 @@ class RuntimeScene:
 
     def explain(self, frame: Frame) -> list[str]:
         """What was left out of this frame, and why."""
-        found = [f"pass {item.name}: {item.reason}" for item in frame.graph.left_out]
-        absent = [m for m, value in frame.facts.variant_defines().items() if not value and m != "DEBUG_VIEW"]
-        return found + [f"branch {macro}: the scene has none" for macro in absent]
+        from engine.experiments.harness.scenes import explain
+
+        return explain(frame)
+
+    def environment_faces(self) -> Floats:
+        from engine.experiments.harness.scenes import faces_of
+
+        return faces_of(self._runtime.renderer.environments, self._runtime.scene)
 
     def close(self) -> None:
         self._runtime.close()
@@ -56,7 +75,10 @@ class ImporterTools:
     """See engine.experiments.harness.context.Tools."""
 
     def sample_scenes(self) -> Sequence[Path]:
-        return [template_dir() / "assets" / "orrery.glb"]
+        folder = os.environ.get("LUCARNA_ASSETS")
+        found = [sorted(Path(folder, "gltf").glob(f"{name}/**/{name}.gl*")) for name in SHARED] if folder else []
+        more = [paths[0] for paths in found if paths]
+        return [template_dir() / "assets" / "orrery.glb", *more]
 
     def open_scene(self, path: Path, device: Device) -> RuntimeScene:
         return RuntimeScene(path, device)

@@ -6,6 +6,9 @@
       lights, cameras, baked animation             │     └─> reader.py: ImportedModel
       -> JSON + arrays ────────────────────────────┘
 
+`diagnose.py` says where a file that ufbx refuses is broken. The document and what builds a model of it (ModelBuilder)
+serve importers.fallback, too.
+
 ufbx's Python binding (0.0.5) hands out objects without counting references, and crashes when they are used twice or
 freed; `native.py` works around that, and one process per file keeps the rest harmless.
 """

@@ -8,6 +8,7 @@ scale inheritance into helper nodes. `document.py` describes what comes out.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ import ufbx
 from numpy.typing import NDArray
 
 from engine.core.errors import FormatError
+from importers.fbx.diagnose import diagnose
 from importers.fbx.extract_animation import read_stacks
 from importers.fbx.extract_materials import read_cache_files, read_materials, read_textures
 from importers.fbx.extract_meshes import read_mesh
@@ -97,12 +99,11 @@ def _load(path: str) -> Handle:
     except (ufbx.OutOfMemoryError, ufbx.MemoryLimitError, ufbx.AllocationLimitError) as error:
         raise MemoryError from error
     except ufbx.UfbxError as error:
-        raise FormatError(_reason(error), hint="export it again, as binary FBX 7.4 or newer") from error
+        raise FormatError(_reason(error, path), hint="export it again, as binary FBX 7.4 or newer") from error
 
 
-def _reason(error: Exception) -> str:
+def _reason(error: Exception, path: str) -> str:
     text = str(error).strip()
-    kind = type(error).__name__.removesuffix("Error")
     if isinstance(error, ufbx.TruncatedFileError):
         return "the file ends too early"
     if isinstance(error, ufbx.UnrecognizedFileFormatError):
@@ -113,8 +114,9 @@ def _reason(error: Exception) -> str:
         return f"this version of FBX cannot be read: {text}"
     if isinstance(error, ufbx.NodeDepthLimitError):
         return f"nodes are nested deeper than {_MAX_DEPTH}"
-    if kind == "Unknown" or text == "Failed to load":
-        return "the file breaks the FBX format, and its reader does not say where"
+    if text == "Failed to load" or not text:
+        found = diagnose(Path(path).read_bytes())
+        return f"breaks the FBX format: {found or 'its reader does not say where'}"
     return f"cannot be read as FBX: {text}"
 
 
@@ -163,6 +165,7 @@ def _light(light: Handle) -> dict[str, Any]:
         "inner_angle": _number(light.inner_angle, 0.0),
         "outer_angle": _number(light.outer_angle, 90.0),
         "on": light.cast_light,
+        "shape": ufbx.LightAreaShape(int(light.area_shape)).name.lower(),
     }
 
 

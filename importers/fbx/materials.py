@@ -94,7 +94,7 @@ def _base_color(source: _Source) -> None:
     factor = source.value("base_factor", 1.0)
     color = source.color("base_color", (0.8, 0.8, 0.8))
     if texture >= 0:
-        if source.entry["shader"] != "gltf_material":
+        if source.entry["shader"] != "gltf_material" and "texture_times_color" not in source.entry["features"]:
             color = (1.0, 1.0, 1.0)
         # a factor of 0 under a texture is what careless exporters write
         factor = factor if factor > 0 else 1.0

@@ -77,7 +77,7 @@ def build_mesh(
             asset.extras["skinning"] = "dual_quaternion"
             if not (skin.dq_share == 1.0).all():
                 asset.extras["dual_quaternion_share"] = [round(float(v), 6) for v in skin.dq_share[vertices.point]]
-            doc.findings.info("fbx.skin", "dual-quaternion skinning is kept; the renderer blends linearly", where)
+            doc.findings.info("fbx.skin", "dual-quaternion skinning is kept", where)
     asset.morphs = read_morphs(doc, mesh, vertices.point, where)
     for k, frame in enumerate(frames):
         offsets = np.ascontiguousarray((frame - positions)[vertices.point].astype("<f4"))
@@ -99,7 +99,7 @@ def _note_left_out(doc: FbxDocument, mesh: Json, where: str) -> None:
     if mesh["color_sets"] > 1:
         doc.findings.info("fbx.color-set", f"{mesh['color_sets']} colour sets; the first is imported", where)
     if mesh["generated_normals"]:
-        doc.findings.info("fbx.normals", "has no normals; made from the faces and smoothing groups", where)
+        doc.findings.info("fbx.normals", "has no normals; made from the faces, smooth where they meet smoothly", where)
 
 
 def _positions(doc: FbxDocument, mesh: Json, where: str) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:

@@ -43,7 +43,9 @@ def read_nodes(doc: FbxDocument) -> tuple[list[NodeAsset], dict[int, int]]:
             doc.findings.info("fbx.lod", "a lower level of detail; hidden", f"nodes[{doc.names[index]}]")
         if node["light"] >= 0:
             distance = float(np.linalg.norm(world[index, :3, 3] - middle))
+            sizes = np.linalg.norm(world[index, :3, :2], axis=0)
             asset.light = _light(doc, doc.data["lights"][node["light"]], distance, index)
+            _spread(doc, doc.data["lights"][node["light"]], asset.light, sizes, index)
         if node["camera"] >= 0:
             asset.camera = _camera(doc.data["cameras"][node["camera"]])
         if 0.0 in asset.scale:
@@ -110,11 +112,26 @@ def _middle(doc: FbxDocument, world: NDArray[np.float64]) -> NDArray[np.float64]
     return np.mean(centres, axis=0) if centres else np.zeros(3)
 
 
-def _light(doc: FbxDocument, light: Json, distance: float, index: int) -> LightAsset | None:
+def _spread(doc: FbxDocument, light: Json, asset: LightAsset, sizes: NDArray[np.float64], index: int) -> None:
+    """Make a point light that the file says is a rectangle one: two units wide and high, times its node's scale."""
+    width, height = (2.0 * float(v) for v in sizes)
+    if light["type"] != "area" or light.get("shape") != "rectangle" or not width * height > 0.0:
+        return
+    if str(doc.data["application"]).startswith("Blender"):
+        asset.intensity *= 4.0  # the same power from one side, by the cosine: power over pi straight ahead
+    asset.type, asset.width, asset.height = "rectangle", width, height
+    asset.intensity /= width * height
+    doc.findings.info(
+        "fbx.light", f"a rectangle light of {width:.3g} by {height:.3g} m, by its node's scale",
+        f"nodes[{doc.names[index]}].light", "set its size if the file's program means another",
+    )  # fmt: skip
+
+
+def _light(doc: FbxDocument, light: Json, distance: float, index: int) -> LightAsset:
     where = f"nodes[{doc.names[index]}].light"
     kind = str(light["type"])
-    if kind in ("area", "volume"):
-        doc.findings.info("fbx.light", f"an {kind} light is imported as a point light", where)
+    if kind == "volume" or (kind == "area" and light.get("shape") != "rectangle"):
+        doc.findings.info("fbx.light", f"a light of kind {kind} is imported as a point light", where)
     asset = LightAsset({"directional": "directional", "spot": "spot"}.get(kind, "point"))
     r, g, b = (max(float(v), 0.0) for v in light["color"])
     asset.color = (r, g, b)

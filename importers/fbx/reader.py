@@ -32,7 +32,8 @@ from importers.gltf.materials import normal_map_uv
 from importers.gltf.uris import similar_name_hint
 from importers.model import ImportedMaterial, ImportedModel
 from importers.settings import ImportSettings
-from importers.workers.runner import WorkerLimits, WorkerResult, run_in_worker
+from importers.workers.process import WorkerLimits
+from importers.workers.runner import WorkerResult, run_in_worker
 
 _NO_CACHE = PointCache(np.zeros(0), np.zeros((0, 0, 3)))
 #: the digest and result of the file read last, while nothing has used it
@@ -44,10 +45,10 @@ def load(path: Path, settings: ImportSettings) -> ImportedModel:
     """Read an .fbx whole. Raises InputError or FormatError where nothing can be had from it; everything less is a
     finding of the model, and the rest is imported."""
     findings = Findings(str(path))
-    result = _read(path, settings, _digest(path, settings))
+    result = _read(path, settings, content_digest(path, settings))
     try:
         doc = FbxDocument(result, findings)
-        return _Builder(doc, path, settings).build()
+        return ModelBuilder(doc, path, settings).build()
     except (KeyError, IndexError, TypeError, ValueError) as error:
         raise FormatError(
             f"the scene that was read makes no sense ({type(error).__name__}: {error})", where=path,
@@ -76,7 +77,7 @@ def dependencies(path: Path, settings: ImportSettings) -> list[tuple[str, Path]]
     return found
 
 
-def _digest(path: Path, settings: ImportSettings) -> str:
+def content_digest(path: Path, settings: ImportSettings) -> str:
     """The content's digest. Raises InputError where there is no regular file of an allowed size."""
     if not path.is_file():
         if path.exists():
@@ -93,7 +94,7 @@ def _digest(path: Path, settings: ImportSettings) -> str:
 
 
 def _texture_names(path: Path, settings: ImportSettings) -> list[list[str]]:
-    digest = _digest(path, settings)
+    digest = content_digest(path, settings)
     memo = _memo(digest)
     try:
         known: list[list[str]] = json.loads(memo.read_text(encoding="utf-8"))
@@ -129,7 +130,7 @@ def _memo(digest: str) -> Path:
     return user_cache_dir() / "fbx_names" / f"{digest}.json"
 
 
-class _Builder:
+class ModelBuilder:
     """Nodes, skins, meshes and clips, which all need one another's numbers."""
 
     def __init__(self, doc: FbxDocument, path: Path, settings: ImportSettings) -> None:
@@ -280,6 +281,7 @@ class _Builder:
             doc.findings.info("fbx.left-out", f"{count} {what}: not imported")
 
     def _summary(self) -> dict[str, Any]:
+        """For FBX; other readers of the same document put theirs in its place."""
         doc, data = self._doc, self._doc.data
         version = int(data["version"])
         kind = "ASCII" if data["ascii"] else "binary, big-endian" if data["big_endian"] else "binary"

@@ -6,6 +6,10 @@ accessors   buffer bytes -> arrays (stride, sparse, normalised integers), bounds
 meshes      primitives -> MeshAsset                 materials   materials + textures -> ImportedMaterial
 nodes       the scene's tree -> NodeAsset           skins       joints and inverse binds -> Skeleton
 animations  channels -> ClipAsset                   reader      all of it, in order: `load(path) -> ImportedModel`
+meshopt*    compressed buffer views -> bytes        draco       compressed primitives -> accessors (by DracoPy)
+light_profiles   IES files, carried along
+instances   one mesh, many places -> nodes          variants    materials by variant, kept; one chosen for import
+spec_gloss  old materials -> metal/rough images     extras      what authors added, and what is ours of it
 
 bytes -> container -> document -> { accessors -> meshes, animations; materials; nodes, skins } -> ImportedModel
 """

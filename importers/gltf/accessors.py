@@ -23,6 +23,8 @@ TYPES = {
     "SCALAR": (1, 1), "VEC2": (1, 2), "VEC3": (1, 3), "VEC4": (1, 4), "MAT2": (2, 2), "MAT3": (3, 3), "MAT4": (4, 4),
 }  # fmt: skip
 _MAX_COUNT = 1 << 31
+#: extensions of a buffer view whose bytes are compressed (meshopt.py)
+COMPRESSED_VIEWS = ("EXT_meshopt_compression", "KHR_meshopt_compression")
 
 
 class Accessors:
@@ -33,6 +35,7 @@ class Accessors:
         self._buffers = buffers
         self._left = max_bytes
         self._cache: dict[int, Array | None] = {}
+        self._unpacked: dict[int, memoryview | None] = {}
 
     @property
     def findings(self) -> Findings:
@@ -48,6 +51,11 @@ class Accessors:
         if index not in self._cache:
             self._cache[index] = self._read(index)
         return self._cache[index]
+
+    def provide(self, index: int, values: Array) -> None:
+        """Take `values` [count, components] for the accessor's, whatever its own view says (decoded Draco streams)."""
+        if self.charge(values.nbytes, f"accessors[{index}]"):
+            self._cache[index] = values
 
     def floats(self, index: int) -> NDArray[np.float32] | None:
         """The values as float32, normalised integers decoded: c/255, c/65535, max(c/127, -1), max(c/32767, -1)."""
@@ -115,6 +123,44 @@ class Accessors:
             return None
         place = f"bufferViews[{index}]"
         view = doc.objects("bufferViews")[index]
+        for name in COMPRESSED_VIEWS:
+            packed = doc.extension(view, name, place)
+            if packed is not None:
+                stride = doc.integer(view, "byteStride", place, 0)
+                data = self._unpack(index, packed, f"{place}.extensions.{name}")
+                return None if data is None or stride is None or stride < 0 else (data, 0, len(data), stride)
+        return self._range(view, place)
+
+    def _unpack(self, index: int, packed: dict[str, Any], place: str) -> memoryview | None:
+        """The bytes of a buffer view compressed by meshopt, decoded once."""
+        if index in self._unpacked:
+            return self._unpacked[index]
+        from importers.gltf.meshopt import decode  # few files need it
+        from importers.gltf.meshopt_attributes import Damaged
+
+        doc = self._document
+        self._unpacked[index] = None
+        bounds = self._range(packed, place)
+        count, stride = doc.integer(packed, "count", place), doc.integer(packed, "byteStride", place)
+        if bounds is None or count is None or stride is None:
+            return None
+        if not 0 < count < _MAX_COUNT or not 0 < stride <= 256:
+            self.findings.error("gltf.meshopt", f"{count:,} elements of {stride} bytes are not possible", place)
+            return None
+        if not self.charge(2 * count * stride, place):
+            return None
+        data = bytes(bounds[0][bounds[1] : bounds[1] + bounds[2]])
+        mode, kind = doc.text(packed, "mode", place), doc.text(packed, "filter", place, "NONE")
+        try:
+            self._unpacked[index] = memoryview(decode(data, count, stride, mode, kind).tobytes())
+        except (Damaged, IndexError) as error:
+            reason = error.message if isinstance(error, Damaged) else "the stream ends too early"
+            self.findings.error("gltf.meshopt", f"the compressed data is damaged: {reason}", place, "export it again")
+        return self._unpacked[index]
+
+    def _range(self, view: dict[str, Any], place: str) -> tuple[memoryview, int, int, int] | None:
+        """(buffer, start, length, stride or 0) that an object with buffer, byteOffset and byteLength names."""
+        doc = self._document
         number = doc.index(view, "buffer", place, "buffers")
         start = doc.integer(view, "byteOffset", place, 0)
         length = doc.integer(view, "byteLength", place)

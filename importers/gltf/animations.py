@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from engine.assets.clip import PATHS, Channel, ClipAsset
 from importers.gltf.accessors import Accessors
 from importers.gltf.document import Document, JsonObject
+from importers.gltf.extras import CLIP_KEYS, read_extras
 
 _INTERPOLATIONS = {"STEP": "step", "LINEAR": "linear", "CUBICSPLINE": "cubic"}
 
@@ -23,6 +24,10 @@ def read_animation(
     """Animation `index`. `rows`: node of the source -> node of the scene; `morphs`: node -> number of morph targets."""
     animation, where = doc.objects("animations")[index], f"animations[{index}]"
     clip = ClipAsset(doc.name(animation, where, f"clip_{index}"))
+    own = read_extras(doc, animation, where, CLIP_KEYS)
+    start, rate = own.get("start"), own.get("frame_rate")
+    clip.start = float(start) if isinstance(start, (int, float)) else 0.0
+    clip.frame_rate = float(rate) if isinstance(rate, (int, float)) and rate > 0 else 0.0
     samplers = doc.child_objects(animation, "samplers", where)
     taken: set[tuple[int, str]] = set()
     for number, channel in enumerate(doc.child_objects(animation, "channels", where)):
@@ -128,4 +133,6 @@ def _unit_rotations(doc: Document, values: NDArray[np.float32], where: str) -> N
         length = np.where(zero, 1.0, length)
     if (np.abs(length - 1.0) > 1e-2).any():
         doc.findings.warn("gltf.rotation", "some keys are not of length 1; normalised", f"{where}.output")
+    # what float32 calls 1 stays bit by bit: keys written out and read again are the same
+    length = np.where(np.abs(length - 1.0) < 3e-7, 1.0, length)
     return np.asarray(values / length[:, None, None], np.float32)

@@ -142,7 +142,9 @@ def _directions(
             f"{where}.{name}",
         )  # fmt: skip
     result = values.astype(np.float32, copy=True)
-    result[:, :3] = unit(np.where(bad[:, None], 0.0, xyz), (0.0, 0.0, 0.0))
+    # within what 16 bits can tell from 1 they stay: vectors written out and read again are the same
+    askew = bad | ~(np.abs(length - 1) < 4e-5)
+    result[askew, :3] = unit(np.where(bad[askew, None], 0.0, xyz[askew]), (0.0, 0.0, 0.0))
     return result
 
 

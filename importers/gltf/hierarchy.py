@@ -86,6 +86,23 @@ def _cut_cycles(doc: Document, parents: list[int], children: list[list[int]]) ->
             state[visited] = 2
 
 
+def choose_scene(doc: Document, wanted: str) -> None:
+    """Make the scene of that name, or number, the default one. Unknown ones are a finding and change nothing."""
+    if not wanted:
+        return
+    scenes = doc.objects("scenes")
+    names = [doc.name(scene, f"scenes[{k}]", str(k)) for k, scene in enumerate(scenes)]
+    found = [k for k, name in enumerate(names) if name.lower() == wanted.lower()]
+    if not found and wanted.isdecimal() and int(wanted) < len(scenes):
+        found = [int(wanted)]
+    if found:
+        doc.root["scene"] = found[0]
+    else:
+        listed = ", ".join(map(repr, names)) or "none"
+        doc.findings.warn("gltf.scenes", f"there is no scene {wanted!r}; the default one is imported", "scenes",
+                          f"scenes: {listed}")  # fmt: skip
+
+
 def scene_roots(doc: Document, hierarchy: Hierarchy) -> list[int]:
     """The roots of the scene to import: the default one, else the first, else all nodes without a parent."""
     findings, scenes = doc.findings, doc.objects("scenes")

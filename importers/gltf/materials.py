@@ -7,14 +7,20 @@ KHR_materials_emissive_strength, KHR_materials_ior, KHR_materials_specular, KHR_
 
 from __future__ import annotations
 
-import math
+import copy
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
 from engine.assets.material import MaterialAsset, TextureRef
+from importers.gltf import spec_gloss
 from importers.gltf.document import Document, JsonObject
+from importers.gltf.extras import storable
 from importers.gltf.uris import storable_text
-from importers.model import ImportedMaterial, TextureUse
+from importers.model import ImportedMaterial, SourceImage, TextureUse
+from importers.settings import ImportSettings
+from importers.textures import ktx2
 
 _WRAPS = {10497: "repeat", 33648: "mirror", 33071: "clamp"}
 _MAG = {9728: "nearest", 9729: "linear"}
@@ -27,12 +33,22 @@ _SHOWN = {
     "KHR_materials_unlit", "KHR_materials_emissive_strength", "KHR_materials_pbrSpecularGlossiness",
     "KHR_materials_ior", "KHR_materials_specular",
 }  # fmt: skip
-#: image formats that a texture may name by an extension, and whether they can be decoded
-_SOURCES = {"EXT_texture_webp": True, "KHR_texture_basisu": False, "MSFT_texture_dds": False, "EXT_texture_avif": False}
+#: extensions that name another image than the plain one, best first
+_SOURCES = ("KHR_texture_basisu", "MSFT_texture_dds", "EXT_texture_webp", "EXT_texture_avif")
 
 
-def read_material(doc: Document, index: int) -> ImportedMaterial:
-    """Material `index` for the `surface` effect. Extensions that it cannot show are kept and named in a finding."""
+class Images(list[SourceImage]):
+    """The images of the file and those that conversions add. `settings`: limits for decoding them."""
+
+    def __init__(self, images: list[SourceImage], settings: ImportSettings) -> None:
+        super().__init__(images)
+        self.settings = settings
+
+
+def read_material(doc: Document, index: int, images: Images) -> ImportedMaterial:
+    """Material `index` for the `surface` effect. Extensions that it cannot show are kept and named in a finding.
+
+    `images`: all of the file; those that a conversion makes are appended."""
     material, where = doc.objects("materials")[index], f"materials[{index}]"
     asset = MaterialAsset(doc.name(material, where, f"material_{index}"))
     result = ImportedMaterial(asset)
@@ -54,7 +70,9 @@ def read_material(doc: Document, index: int) -> ImportedMaterial:
     asset.queue = _QUEUES[doc.choice(material, "alphaMode", where, tuple(_QUEUES), "OPAQUE")]
     if doc.flag(material, "doubleSided", where):
         asset.features.append("double_sided")
-    _extensions(doc, material, where, result)
+    if isinstance(material.get("extras"), dict):
+        asset.extensions["extras"] = storable(material["extras"])
+    _extensions(doc, material, where, result, images)
     _keep_coverage(result)
     return result
 
@@ -73,12 +91,12 @@ def normal_map_uv(material: ImportedMaterial) -> int | None:
     return None if reference is None else reference.uv_set
 
 
-def _extensions(doc: Document, material: JsonObject, where: str, result: ImportedMaterial) -> None:
+def _extensions(doc: Document, material: JsonObject, where: str, result: ImportedMaterial, images: Images) -> None:
     asset = result.asset
     for name, value in doc.child(material, "extensions", where).items():
         place = f"{where}.extensions.{name}"
         if name not in _SHOWN:
-            asset.extensions[name] = _storable(value) if isinstance(value, dict) else {}
+            asset.extensions[name] = _kept(doc, value) if isinstance(value, dict) else {}
             doc.findings.info("gltf.extension", f"{name} is imported and kept, not shown yet", place)
     if doc.extension(material, "KHR_materials_unlit", where) is not None:
         asset.features.append("unlit")
@@ -98,67 +116,84 @@ def _extensions(doc: Document, material: JsonObject, where: str, result: Importe
         tint = doc.vector(specular, "specularColorFactor", place, (1.0, 1.0, 1.0))
         asset.params["specular_color"] = tuple(min(max(v, 0.0), 100.0) for v in tint)
         if {"specularTexture", "specularColorTexture"} & specular.keys():
-            asset.extensions["KHR_materials_specular"] = _storable(specular)
+            asset.extensions["KHR_materials_specular"] = _kept(doc, specular)
             doc.findings.info("gltf.extension", "KHR_materials_specular: its textures are kept, not shown yet", place)
     old = doc.extension(material, "KHR_materials_pbrSpecularGlossiness", where)
     if old is not None:
-        _specular_glossiness(doc, material, old, where, result)
+        _specular_glossiness(doc, material, old, where, result, images)
 
 
 def _specular_glossiness(
-    doc: Document, material: JsonObject, old: JsonObject, where: str, result: ImportedMaterial
+    doc: Document, material: JsonObject, old: JsonObject, where: str, result: ImportedMaterial, images: Images
 ) -> None:
-    """Diffuse, specular, glossiness to base colour, metallic, roughness.
-
-    Follows the relations of the extension's own conversion appendix (Khronos, 2017): base colour's diffuse share is
-    diffuse * (1 - max(specular)) / (1 - 0.04) / (1 - metallic), metallic from the two brightnesses.
-    """
+    """Diffuse, specular, glossiness to base colour, metallic, roughness (spec_gloss.py)."""
     place = f"{where}.extensions.KHR_materials_pbrSpecularGlossiness"
     asset = result.asset
-    asset.extensions["KHR_materials_pbrSpecularGlossiness"] = _storable(old)
-    if "pbrMetallicRoughness" in material:
+    asset.extensions["KHR_materials_pbrSpecularGlossiness"] = _kept(doc, old)
+    fallback = doc.child(material, "pbrMetallicRoughness", where)
+    poorer = "diffuseTexture" in old and "baseColorTexture" not in fallback
+    if fallback and not poorer:
         doc.findings.info("gltf.spec-gloss", "the material's metallic-roughness fallback is shown instead", place)
         return
     diffuse = _clamped(doc, old, "diffuseFactor", place, (1.0, 1.0, 1.0, 1.0))
     specular = _clamped(doc, old, "specularFactor", place, (1.0, 1.0, 1.0))
     gloss = doc.number(old, "glossinessFactor", place, 1.0, 0.0, 1.0)
+    result.images.pop("metal_rough_map", None)
+    asset.textures.pop("metal_rough_map", None)
     _texture(doc, old, "diffuseTexture", place, result, "base_color_map", "color")
-    textured = "specularGlossinessTexture" in old
-    metallic = 0.0 if textured else _metallic(diffuse[:3], specular)
-    color = list(diffuse[:3])
-    if metallic > 0.0:
-        from_diffuse = [d * (1 - max(specular)) / 0.96 / max(1 - metallic, 1e-4) for d in diffuse[:3]]
-        from_specular = [(s - 0.04 * (1 - metallic)) / max(metallic, 1e-4) for s in specular]
-        blend = metallic * metallic
-        color = [
-            min(max(d + (s - d) * blend, 0.0), 1.0) for d, s in zip(from_diffuse, from_specular, strict=True)
-        ]  # fmt: skip
-    asset.params |= {
-        "base_color": (*color, diffuse[3]),
-        "metallic": metallic,
-        "roughness": 0.5 if textured else 1.0 - gloss,
-    }
-    lost = " The specular-glossiness texture is not converted: not metallic, roughness 0.5." if textured else ""
-    doc.findings.warn(
-        "gltf.spec-gloss", f"specular-glossiness is converted to metallic-roughness, roughly.{lost}", place,
-        "convert the material in the authoring tool for an exact match",
+    _texture(doc, old, "specularGlossinessTexture", place, result, "metal_rough_map", "metal_rough")
+    uses = [result.images.get(slot) for slot in ("base_color_map", "metal_rough_map")]
+    if uses[1] is None:
+        asset.textures.pop("metal_rough_map", None)
+        # without a texture of its own the metalness is one number, and so the base colour's image stays as it is
+        color, metallic = spec_gloss.convert(np.array(diffuse[:3]), np.array(specular))
+        if uses[0] is not None:
+            color = np.array(diffuse[:3])
+        asset.params |= {"metallic": float(metallic), "roughness": 1.0 - gloss}
+        asset.params["base_color"] = (*(float(v) for v in color), diffuse[3])
+    else:
+        sources = [None if use is None else images[use.image].data for use in uses]
+        pair = spec_gloss.TexturePair(
+            sources[0], sources[1], (diffuse[:3], specular, gloss), place, images.settings
+        )  # fmt: skip
+        names = (f"{asset.name}.base_color", pair.base_color), (f"{asset.name}.metal_rough", pair.metal_rough)
+        one, two = asset.textures.get("base_color_map"), asset.textures["metal_rough_map"]
+        if one is None:
+            asset.textures["base_color_map"] = copy.copy(two)
+        elif (one.uv_set, one.offset, one.scale, one.rotation) != (two.uv_set, two.offset, two.scale, two.rotation):
+            doc.findings.warn(
+                "gltf.spec-gloss", "the two textures lie differently on the mesh; converted as if not", place
+            )
+        for slot, role, (name, data) in zip(
+            ("base_color_map", "metal_rough_map"), ("color", "metal_rough"), names, strict=True
+        ):
+            result.images[slot] = TextureUse(len(images), role)
+            images.append(SourceImage(name, data, place))
+        asset.params |= {"base_color": (1.0, 1.0, 1.0, diffuse[3]), "metallic": 1.0, "roughness": 1.0}
+    doc.findings.info(
+        "gltf.spec-gloss", f"specular-glossiness is converted to metallic-roughness {spec_gloss.METHOD}", place,
+        "highlights of coloured dielectrics may differ a little",
     )  # fmt: skip
 
 
-def _metallic(diffuse: tuple[float, ...], specular: tuple[float, ...]) -> float:
-    """The metallic whose dielectric and metal parts have these brightnesses (a quadratic; Khronos, 2017)."""
-
-    def brightness(c: tuple[float, ...]) -> float:
-        return float((0.299 * c[0] ** 2 + 0.587 * c[1] ** 2 + 0.114 * c[2] ** 2) ** 0.5)
-
-    f0 = 0.04
-    d, s = brightness(diffuse), brightness(specular)
-    if s < f0:
-        return 0.0
-    b = d * (1 - max(specular)) / (1 - f0) + s - 2 * f0
-    c = f0 - s
-    root = max(b * b - 4 * f0 * c, 0.0) ** 0.5
-    return float(min(max((-b + root) / (2 * f0), 0.0), 1.0))
+def _kept(doc: Document, value: Any) -> Any:
+    """An extension as the material keeps it: texture numbers, which mean nothing outside the file, name their image."""
+    if isinstance(value, list):
+        return [_kept(doc, item) for item in value]
+    if not isinstance(value, dict):
+        return storable(value)
+    result = {k: _kept(doc, v) for k, v in value.items() if k.endswith("Texture") or not isinstance(v, (dict, list))}
+    result |= {k: storable(v) for k, v in value.items() if k not in result}
+    for key, info in result.items():
+        if key.endswith("Texture") and isinstance(info, dict) and isinstance(info.get("index"), int):
+            textures = doc.objects("textures")
+            number = info.pop("index")
+            source = textures[number].get("source") if 0 <= number < len(textures) else None
+            if isinstance(source, int) and 0 <= source < len(doc.objects("images")):
+                image = doc.objects("images")[source]
+                info["image"] = source
+                info["image_name"] = storable_text(str(image.get("name") or image.get("uri", ""))[:200])
+    return {k: v for k, v in result.items() if v is not None}
 
 
 def _texture(
@@ -197,20 +232,27 @@ def _texture(
 
 
 def _image_of(doc: Document, texture: JsonObject, where: str) -> int | None:
-    """The image that a texture shows: the one of a known extension, else its plain source."""
+    """The image that a texture shows: its plain source, or the one of an extension where that is better or alone."""
+    plain = doc.index(texture, "source", where, "images") if "source" in texture else None
     blocked = ""
-    for name, readable in _SOURCES.items():
+    for name in _SOURCES:
         extension = doc.extension(texture, name, where)
-        if extension is not None and "source" in extension:
-            if readable:
-                return doc.index(extension, "source", f"{where}.extensions.{name}", "images")
+        if extension is None or "source" not in extension:
+            continue
+        if name == "KHR_texture_basisu" and not ktx2.can_transcode():
             blocked = name
-    if "source" in texture:
-        return doc.index(texture, "source", where, "images")
-    doc.findings.error(
-        "gltf.texture", f"the image comes by {blocked}, which is not read" if blocked else "the texture names no image",
-        where, "export the texture as PNG, JPEG or WebP",
-    )  # fmt: skip
+            if plain is not None:
+                continue
+        # also where it cannot be decoded: the error then says what to install
+        return doc.index(extension, "source", f"{where}.extensions.{name}", "images")
+    if plain is not None:
+        if blocked:
+            doc.findings.info("gltf.texture", f"the plain image is used instead of {blocked}", where, ktx2.MISSING)
+        return plain
+    if "source" not in texture:
+        doc.findings.error(
+            "gltf.texture", "the texture names no image", where, "export the texture as PNG, JPEG or WebP"
+        )
     return None
 
 
@@ -233,24 +275,6 @@ def _sampler(doc: Document, texture: JsonObject, path: str, reference: TextureRe
     reference.wrap_v = pick("wrapT", _WRAPS, "repeat")
     reference.mag_filter = pick("magFilter", _MAG, "linear")
     reference.min_filter = pick("minFilter", _MIN, "linear_mip_linear")
-
-
-def _storable(value: Any) -> Any:
-    """Any JSON as TOML can hold it: numbers that are not finite or beyond 64 bits, and nulls, are left out.
-
-    Recursion is safe: the container bounds the depth."""
-    if isinstance(value, dict):
-        items = {storable_text(k): _storable(v) for k, v in value.items()}
-        return {k: v for k, v in items.items() if v is not None}
-    if isinstance(value, list):
-        return [v for v in map(_storable, value) if v is not None]
-    if isinstance(value, str):
-        return storable_text(value)
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    if isinstance(value, int) and not -(2**63) <= value < 2**63:
-        return None
-    return value
 
 
 def _clamped(

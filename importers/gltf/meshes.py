@@ -21,10 +21,13 @@ from importers.geometry.quantize import snorm16_vectors, unorm16
 from importers.geometry.skin import normalise_influences
 from importers.geometry.tangents import tangent_frames
 from importers.geometry.topology import MODES, to_list, zero_area
+from importers.gltf import draco
 from importers.gltf.accessors import Accessors
 from importers.gltf.attributes import VertexData, read_vertices
 from importers.gltf.document import Document, JsonObject
+from importers.gltf.extras import MESH_KEYS, read_extras
 from importers.gltf.skins import Skin
+from importers.gltf.variants import EXTRAS, Mapping, Variants
 
 Indices = NDArray[np.uint32]
 Morphs = list[dict[str, NDArray[np.float32]]]
@@ -34,10 +37,12 @@ _VALUES_PER_ELEMENT = {"triangles": 3, "lines": 2, "points": 1}
 
 @dataclass(frozen=True, slots=True)
 class Slot:
-    """A material slot: the material's index (-1: the default one), and whether it is unlit for want of normals."""
+    """A material slot: the material's index (-1: the default one), and whether it is unlit for want of normals, and
+    what it shows in the file's variants."""
 
     material: int
     unlit: bool = False
+    variants: Mapping = ()
 
 
 @dataclass(slots=True)
@@ -55,10 +60,13 @@ class _Primitive:
 class MeshReader:
     """Builds MeshAssets. `normal_uv[m]`: the uv set that material m's normal map uses, or None."""
 
-    def __init__(self, doc: Document, accessors: Accessors, normal_uv: Sequence[int | None]) -> None:
+    def __init__(
+        self, doc: Document, accessors: Accessors, normal_uv: Sequence[int | None], variants: Variants
+    ) -> None:
         self._doc = doc
         self._accessors = accessors
         self._normal_uv = normal_uv
+        self._variants = variants
         self._collapsed: list[tuple[str, int]] = []
         self._thin: list[tuple[str, int]] = []
 
@@ -89,6 +97,10 @@ class MeshReader:
             return None
         asset, slots = self._assemble(name, primitives, skin, where)
         self._name_morphs(asset, mesh, where)
+        asset.extras |= read_extras(self._doc, mesh, where, MESH_KEYS)
+        variants = self._variants.extras([slot.variants for slot in slots])
+        if variants is not None:
+            asset.extras[EXTRAS] = variants
         return asset, slots
 
     def _primitive(
@@ -99,10 +111,10 @@ class MeshReader:
         if mode not in MODES:
             doc.findings.error("gltf.value", f"mode {mode} is none of 0..6", f"{where}.mode")
             return None
-        if not self._plain_data(primitive, where):
+        if doc.extension(primitive, draco.NAME, where) is not None and not self._unpack(primitive, where):
             return None
         material = doc.index(primitive, "material", where, "materials")
-        material = -1 if material is None else material
+        material, variants = self._variants.read(primitive, -1 if material is None else material, where)
         attributes = doc.child(primitive, "attributes", where)
         targets = doc.child_objects(primitive, "targets", where)
         shared: object = (repr(sorted(attributes.items(), key=repr)), repr(targets))
@@ -121,16 +133,16 @@ class MeshReader:
         if indices is None or not len(indices) or not self._accessors.charge(len(indices) * 80, where):
             return None
         if topology != "triangles":
-            slot = Slot(material, unlit=vertices.normal is None)
+            slot = Slot(material, vertices.normal is None, variants)
             if vertices.normal is None:
                 vertices = vertices.gather(np.arange(len(vertices.position)))
                 vertices.normal = np.tile(np.array([0, 0, 1], np.float32), (len(vertices.position), 1))
                 shared = (shared, "unlit")
             return _Primitive(vertices, morphs, indices, topology, slot, shared)
-        return self._shade(vertices, morphs, indices, material, shared, where)
+        return self._shade(vertices, morphs, indices, Slot(material, False, variants), shared, where)
 
     def _shade(
-        self, vertices: VertexData, morphs: Morphs, indices: Indices, material: int, shared: object, where: str
+        self, vertices: VertexData, morphs: Morphs, indices: Indices, slot: Slot, shared: object, where: str
     ) -> _Primitive:
         """Triangles with normals and, where the material has a normal map, tangents."""
         triangles = indices.reshape(-1, 3)
@@ -143,7 +155,9 @@ class MeshReader:
             assert vertices.normal is not None
             vertices.normal = fill_normals(vertices.normal, vertices.position, triangles)
             shared = object()
-        wanted = self._normal_uv[material] if 0 <= material < len(self._normal_uv) else None
+        # tangents serve whatever variant is shown: they follow the first normal map among the materials
+        materials = [slot.material, *(material for _, material in slot.variants)]
+        wanted = next((uv for m in materials if m >= 0 and (uv := self._normal_uv[m]) is not None), None)
         given = vertices.tangent is not None and vertices.tangent[:, :3].any(axis=1).all()
         if wanted is not None and not given:
             if wanted in vertices.uv:
@@ -161,22 +175,17 @@ class MeshReader:
                 vertices.tangent = None
         elif wanted is None or not given:
             vertices.tangent = None if not given else vertices.tangent
-        return _Primitive(vertices, morphs, triangles.reshape(-1), "triangles", Slot(material), shared)
+        return _Primitive(vertices, morphs, triangles.reshape(-1), "triangles", slot, shared)
 
-    def _plain_data(self, primitive: JsonObject, where: str) -> bool:
-        """False (with a finding) where the primitive's data is there in compressed form only."""
+    def _unpack(self, primitive: JsonObject, where: str) -> bool:
+        """Decode a Draco primitive; where that cannot be done, whether there is plain data beside the stream."""
         doc = self._doc
-        if doc.extension(primitive, "KHR_draco_mesh_compression", where) is None:
-            return True
         numbers = [v for v in doc.child(primitive, "attributes", where).values() if isinstance(v, int)]
         known = doc.objects("accessors")
-        if all("bufferView" in known[n] for n in numbers if 0 <= n < len(known)):
+        plain = all("bufferView" in known[n] for n in numbers if 0 <= n < len(known))
+        if plain and draco.decoder() is None:
             return True
-        doc.findings.error(
-            "gltf.draco", "the primitive is compressed by KHR_draco_mesh_compression, which is not read", where,
-            "export it without Draco, or run `gltf-transform dedup --compress false` or a like tool on it",
-        )  # fmt: skip
-        return False
+        return draco.read_draco(doc, self._accessors, primitive, where) or plain
 
     def _indices(self, primitive: JsonObject, where: str, mode: int, vertices: VertexData) -> Indices | None:
         """The primitive's indices as a plain list; what points outside, or at broken vertices, is dropped."""

@@ -13,6 +13,8 @@ from engine.assets.scene import IDENTITY_ROTATION, CameraAsset, LightAsset, Node
 from engine.core.findings import Severity
 from engine.math.transform import compose, decompose
 from importers.gltf.document import Document, JsonObject
+from importers.gltf.extras import NODE_KEYS, read_extras
+from importers.gltf.light_profiles import PROFILES, profiled_light
 
 _IDENTITY_MATRIX = (1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 
@@ -43,11 +45,13 @@ def read_node(doc: Document, index: int, pending: list[PendingMatrix]) -> NodeAs
     light = doc.extension(node, "KHR_lights_punctual", where)
     if light is not None:
         asset.light = _light(doc, light, where)
-    if doc.extension(node, "EXT_mesh_gpu_instancing", where) is not None:
-        doc.findings.warn(
-            "gltf.extension", "EXT_mesh_gpu_instancing is not read: the mesh appears once", where,
-            "export the instances as nodes",
-        )  # fmt: skip
+    profiled = doc.extension(node, PROFILES, where)
+    if profiled is not None:
+        asset.light = profiled_light(doc, profiled, where)
+    visibility = doc.extension(node, "KHR_node_visibility", where)
+    if visibility is not None and "visible" in visibility:
+        asset.visible = doc.flag(visibility, "visible", f"{where}.extensions.KHR_node_visibility")
+    asset.extras = read_extras(doc, node, where, NODE_KEYS)
     return asset
 
 
@@ -61,7 +65,7 @@ def _trs(doc: Document, node: JsonObject, where: str, asset: NodeAsset) -> None:
         r, length = IDENTITY_ROTATION, 1.0
     elif abs(length - 1.0) > 1e-3:
         doc.findings.warn("gltf.rotation", f"the quaternion has length {length:.4g}; normalised", f"{where}.rotation")
-    if length != 1.0:
+    if abs(length - 1.0) > 1e-14:  # what is of length 1 stays bit by bit
         r = tuple(v / length for v in r)
     if 0.0 in s:
         # a scale that a clip animates may well start at zero: that is how things are made to appear

@@ -12,34 +12,33 @@ from engine.assets.material import MaterialAsset
 from engine.assets.scene import MeshRef, NodeAsset
 from engine.core.errors import FormatError, InputError, Place
 from engine.core.findings import Findings
-from importers.gltf.accessors import Accessors
+from importers.gltf.accessors import COMPRESSED_VIEWS, Accessors
 from importers.gltf.animations import read_animation
 from importers.gltf.container import Buffers, Container, read_container
 from importers.gltf.document import Document
-from importers.gltf.hierarchy import Hierarchy, read_hierarchy, scene_roots
-from importers.gltf.materials import normal_map_uv, read_material
+from importers.gltf.hierarchy import Hierarchy, choose_scene, read_hierarchy, scene_roots
+from importers.gltf.instances import read_instances
+from importers.gltf.light_profiles import PROFILES, profile_entries, read_profiles
+from importers.gltf.materials import Images, normal_map_uv, read_material
 from importers.gltf.meshes import MeshReader, Slot
 from importers.gltf.nodes import PendingMatrix, apply_matrices, node_name, read_node
 from importers.gltf.skins import Skin, read_skin
 from importers.gltf.surroundings import read_surroundings
 from importers.gltf.uris import resolve_uri, storable_text
+from importers.gltf.variants import Variants
 from importers.model import ImportedMaterial, ImportedModel, SourceImage
 from importers.settings import ImportSettings
 
 #: extensions that may stand in `extensionsRequired`; KHR_materials_* come in as well, kept if not shown
 _KNOWN = {
-    "KHR_texture_transform", "KHR_lights_punctual", "KHR_mesh_quantization", "EXT_texture_webp",
-    "KHR_materials_unlit", "KHR_materials_emissive_strength", "KHR_materials_pbrSpecularGlossiness",
-    "KHR_materials_clearcoat", "KHR_materials_sheen", "KHR_materials_transmission", "KHR_materials_volume",
-    "KHR_materials_ior", "KHR_materials_specular", "KHR_materials_iridescence", "KHR_materials_anisotropy",
-    "KHR_materials_dispersion", "KHR_materials_diffuse_transmission", "KHR_materials_variants",
+    "KHR_texture_transform", "KHR_lights_punctual", PROFILES, "KHR_mesh_quantization", "KHR_draco_mesh_compression",
+    "KHR_texture_basisu", "EXT_texture_webp", "EXT_texture_avif", "MSFT_texture_dds", "EXT_mesh_gpu_instancing",
+    "KHR_node_visibility", "KHR_materials_unlit", "KHR_materials_emissive_strength",
+    "KHR_materials_pbrSpecularGlossiness", "KHR_materials_clearcoat", "KHR_materials_sheen",
+    "KHR_materials_transmission", "KHR_materials_volume", "KHR_materials_ior", "KHR_materials_specular",
+    "KHR_materials_iridescence", "KHR_materials_anisotropy", "KHR_materials_dispersion",
+    "KHR_materials_diffuse_transmission", "KHR_materials_variants", *COMPRESSED_VIEWS,
 }  # fmt: skip
-_COMPRESSED = {
-    "KHR_draco_mesh_compression": "export it without Draco compression",
-    "EXT_meshopt_compression": "export it without meshopt compression",
-    "KHR_meshopt_compression": "export it without meshopt compression",
-    "KHR_texture_basisu": "export the textures as PNG, JPEG or WebP",
-}
 
 
 def load(path: Path, settings: ImportSettings) -> ImportedModel:
@@ -58,9 +57,12 @@ def _load(path: Path, settings: ImportSettings, findings: Findings) -> ImportedM
     buffers = Buffers(container, doc.objects("buffers"), findings)
     accessors = Accessors(doc, buffers, settings.max_decoded_bytes)
     model = ImportedModel(storable_text(path.stem), findings)
-    model.materials = [read_material(doc, i) for i in range(len(doc.objects("materials")))]
-    model.images = [_image(doc, container, accessors, i) for i in range(len(doc.objects("images")))]
-    _Builder(doc, accessors, model).build()
+    images = Images([_image(doc, container, accessors, i) for i in range(len(doc.objects("images")))], settings)
+    model.materials = [read_material(doc, i, images) for i in range(len(doc.objects("materials")))]
+    model.images = images
+    choose_scene(doc, settings.scene)
+    _Builder(doc, accessors, model, Variants(doc, settings.variant)).build()
+    read_profiles(doc, container, accessors, model)
     model.dependencies = container.dependencies
     model.summary |= _summary(doc, container)
     return model
@@ -71,8 +73,8 @@ def dependencies(path: Path, settings: ImportSettings) -> list[tuple[str, Path]]
     container = read_container(path, settings, Findings(str(path)))
     doc = Document(container.root, Findings())
     found = []
-    for name in ("buffers", "images"):
-        for entry in doc.objects(name):
+    for entries in (doc.objects("buffers"), doc.objects("images"), profile_entries(doc)):
+        for entry in entries:
             uri = entry.get("uri")
             if isinstance(uri, str) and not uri.startswith("data:"):
                 try:
@@ -86,15 +88,10 @@ def _check_extensions(doc: Document, path: Path) -> None:
     required = [n for n in doc.array(doc.root, "extensionsRequired", "") if isinstance(n, str)]
     unknown = sorted({n for n in required if n not in _KNOWN})
     if unknown:
-        hint = next((_COMPRESSED[n] for n in unknown if n in _COMPRESSED), "export it without them")
         raise FormatError(
             f"requires {', '.join(unknown)[:300]}, which {'is' if len(unknown) == 1 else 'are'} not supported",
-            where=Place(str(path), path="extensionsRequired"), hint=hint,
+            where=Place(str(path), path="extensionsRequired"), hint="export it without them",
         )  # fmt: skip
-    used = [n for n in doc.array(doc.root, "extensionsUsed", "") if isinstance(n, str)]
-    for name in sorted(set(used) & _COMPRESSED.keys()):
-        doc.findings.info("gltf.extension", f"{name} is not read; the plain data is used where there is some",
-                          "extensionsUsed")  # fmt: skip
 
 
 def _image(doc: Document, container: Container, accessors: Accessors, index: int) -> SourceImage:
@@ -125,18 +122,19 @@ def _image(doc: Document, container: Container, accessors: Accessors, index: int
             return None
         return bytes(data)
 
-    return SourceImage(name, fetch, where)
+    file = "" if not uri or uri.startswith("data:") else Path(uri.replace("\\", "/")).name
+    return SourceImage(name, fetch, where, file)
 
 
 class _Builder:
     """Nodes, skins, meshes and clips, which all need one another's numbers."""
 
-    def __init__(self, doc: Document, accessors: Accessors, model: ImportedModel) -> None:
+    def __init__(self, doc: Document, accessors: Accessors, model: ImportedModel, variants: Variants) -> None:
         self._doc = doc
         self._accessors = accessors
         self._model = model
         self._names = [node_name(doc, i) for i in range(len(doc.objects("nodes")))]
-        self._reader = MeshReader(doc, accessors, [normal_map_uv(m) for m in model.materials])
+        self._reader = MeshReader(doc, accessors, [normal_map_uv(m) for m in model.materials], variants)
         self._skins: dict[int, Skin | None] = {}
         self._meshes: dict[tuple[int, int], int] = {}
         self._unlit: dict[int, int] = {}
@@ -146,6 +144,8 @@ class _Builder:
         hierarchy = read_hierarchy(doc)
         roots = self._with_joints(hierarchy, scene_roots(doc, hierarchy))
         order = hierarchy.subtree(roots)
+        if all(hierarchy.parents[node] < node for node in order):
+            order.sort()  # the file's own order has parents first already: what we exported comes back row by row
         rows = {node: row for row, node in enumerate(order)}
         morphs: dict[int, int] = {}
         inside = set(roots)
@@ -160,6 +160,8 @@ class _Builder:
                 model.active_camera = rows[node]
             model.nodes.append(asset)
         apply_matrices(doc, matrices)
+        for row, node in enumerate(order):
+            model.nodes += read_instances(doc, self._accessors, node, model.nodes[row], row)
         model.environment, model.look = read_surroundings(doc)
         used = {mesh for mesh, _ in self._meshes}
         for mesh in range(len(doc.objects("meshes"))):

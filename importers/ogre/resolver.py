@@ -187,7 +187,7 @@ class Materials:
         if path not in self._image_numbers:
             self._image_numbers[path] = len(self.images)
             self._used.setdefault(path)
-            self.images.append(SourceImage(path.stem, lambda: self._read(path), path.name))
+            self.images.append(SourceImage(path.stem, lambda: self._read(path), path.name, str(path)))
         return self._image_numbers[path]
 
     def _read(self, path: Path) -> bytes | None:

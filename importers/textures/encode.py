@@ -23,12 +23,10 @@ from engine.core.errors import UsageError
 from importers.settings import ImportSettings
 from importers.textures.blocks import encode_blocks
 from importers.textures.mips import chain, keep_coverage, normal_chain, resample
+from importers.textures.toksvig import rougher
 
 Floats = NDArray[np.float32]
 Pixels = NDArray[Any]
-
-#: part of every cache key: raise it when the same input gives other bytes (a new ispc_texcomp does, too)
-ENCODER_VERSION = "ispc_texcomp-1.0.1/1"
 
 #: role -> (compressed, uncompressed, channels)
 ROLES = {
@@ -52,16 +50,18 @@ _ALPHA_FLOOR = np.float32(1.0 / 512.0)
 def encode(
     pixels: Pixels, role: str, settings: ImportSettings, *,
     alpha_cutoff: float | None = None, wrap: bool = True, preset: str = "", threads: int = 0,
+    bumps: Pixels | None = None,
 ) -> TextureAsset:  # fmt: skip
     """Encode with all mips. `pixels`: u1 or u2[h,w,4], or f4[h,w,3] (hdr), as `image.decode` gives them.
 
     `alpha_cutoff`: keep the alpha test's coverage in every mip. `wrap`: filter across the border, as repeating
-    textures want (Kaiser only). `preset` overrides the settings' own. The bytes do not depend on `threads`.
+    textures want (Kaiser only). `preset` overrides the settings' own. The bytes do not depend on `threads`. `bumps`:
+    the normal map over a metal_rough image, whose mips then get rougher where it is averaged away (toksvig.py).
     Raises UsageError for an unknown role.
     """
     if role not in ROLES:
         raise UsageError(f"unknown texture role {role!r}", hint=did_you_mean(role, ROLES))
-    bc7, bc6h, kind = _PRESETS[preset or settings.preset]
+    bc7, bc6h, kind = _PRESETS[preset or settings.quality]
     compressed, plain, channels = ROLES[role]
     if role == "hdr" and pixels.shape[2] == 4 and pixels.dtype != np.float32:
         pixels = _SRGB_TO_LINEAR[_bytes(pixels)][..., :3]
@@ -73,6 +73,8 @@ def encode(
         images = [_half(level) for level in chain(pixels.astype(np.float32), "box")]
     elif role == "normal":
         vectors = _unit(pixels[..., :3])
+        if settings.flip_green:
+            vectors = vectors * np.array([1, -1, 1], np.float32) + np.array([0, 1, 0], np.float32)
         vectors = vectors * np.float32(2.0) - np.float32(1.0)
         images = [_quantise(v[..., :2] * np.float32(0.5) + np.float32(0.5)) for v in normal_chain(vectors)]
     elif compressed.endswith("-srgb"):
@@ -80,6 +82,9 @@ def encode(
     else:
         first = _bytes(pixels)[..., :channels]
         levels = chain(_unit(pixels[..., :channels]), kind, wrap=wrap)
+        if role == "metal_rough" and bumps is not None:
+            vectors = _unit(bumps[..., :3]) * np.float32(2.0) - np.float32(1.0)
+            levels = [levels[0], *(rougher(level, vectors) for level in levels[1:])]
         images = [np.ascontiguousarray(first), *(_quantise(level) for level in levels[1:])]
     format = compressed if settings.compress else plain
     profile = bc6h if role == "hdr" else bc7

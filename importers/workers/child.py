@@ -9,24 +9,31 @@ import importlib
 import json
 import os
 import sys
-import threading
 from pathlib import Path
 
+from importers.workers.limits import follow_parent, set_limits
 from importers.workers.runner import FAILURE, REQUEST, RESULT, SCHEMA
 
 
 def main(folder: Path) -> int:
     """Exit code: 0 with a result or a failure file written, 1 otherwise."""
+    follow_parent()
+    return work(folder)
+
+
+def work(folder: Path) -> int:
+    """The same, where somebody else sees to it that we end with our parent."""
     order = json.loads((folder / REQUEST).read_text(encoding="utf-8"))
-    _follow_parent()
-    _set_limits(float(order["seconds"]), int(order["memory_bytes"]))
+    set_limits(float(order["seconds"]), int(order["memory_bytes"]))
     from engine.assets.container import write_container
+    from engine.core.atomic import relaxed
     from engine.core.errors import FormatError, InputError
 
     try:
         module, function = str(order["task"]).split(":")
         data, arrays = getattr(importlib.import_module(module), function)(order["request"])
-        write_container(folder / RESULT, {"schema": SCHEMA, "data": data}, arrays)
+        with relaxed(folder):
+            write_container(folder / RESULT, {"schema": SCHEMA, "data": data}, arrays)
     except MemoryError:
         _fail(folder, "memory", "")
     except InputError as error:
@@ -40,37 +47,6 @@ def _fail(folder: Path, kind: str, message: str, hint: str = "", path: str = "")
     temporary = folder / f"{FAILURE}.part"
     temporary.write_text(text, encoding="utf-8")
     temporary.replace(folder / FAILURE)
-
-
-def _follow_parent() -> None:
-    """End when the parent does: its end of our standard input closes."""
-
-    def watch() -> None:
-        sys.stdin.buffer.read()
-        os._exit(1)
-
-    threading.Thread(target=watch, daemon=True).start()
-
-
-def _set_limits(seconds: float, memory_bytes: int) -> None:
-    """Limits that hold even where the parent is gone or cannot stop us. There are none on Windows."""
-    try:
-        import resource
-    except ImportError:
-        return
-    processor = int(seconds) + 5
-    for kind, amount in (
-        (resource.RLIMIT_CPU, processor),
-        (resource.RLIMIT_AS, memory_bytes),
-        (resource.RLIMIT_CORE, 0),
-    ):
-        if amount > 0 or kind == resource.RLIMIT_CORE:
-            hard = resource.getrlimit(kind)[1]
-            wanted = amount if hard == resource.RLIM_INFINITY else min(amount, hard)
-            try:
-                resource.setrlimit(kind, (wanted, hard))
-            except (ValueError, OSError):
-                continue  # macOS refuses RLIMIT_AS; the time limit still holds
 
 
 if __name__ == "__main__":

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 import shutil
-import signal
 import subprocess
 import sys
 import tempfile
@@ -18,17 +17,11 @@ from numpy.typing import NDArray
 
 from engine.assets.container import read_container
 from engine.core.errors import FormatError, InputError, LucarnaError, OutputError, Place
+from importers.workers.forker import forker
+from importers.workers.process import WorkerLimits, environment, last_line, memory_text, spell_ending
 
 SCHEMA = "lucarna.worker/1"
 REQUEST, RESULT, FAILURE, LOG = "request.json", "result.bin", "failure.json", "log.txt"
-
-
-@dataclass(frozen=True, slots=True)
-class WorkerLimits:
-    """`seconds` of wall-clock time; `memory_bytes` of address space (0 = none; not enforced on Windows)."""
-
-    seconds: float = 300.0
-    memory_bytes: int = 4 << 30
 
 
 @dataclass(slots=True)
@@ -56,13 +49,15 @@ def run_in_worker(
     try:
         order = {"task": task, "request": request, "seconds": limits.seconds, "memory_bytes": limits.memory_bytes}
         (folder / REQUEST).write_text(json.dumps(order), encoding="utf-8")
-        code = _wait(folder, where, limits, what)
+        code = _fork(task, folder, where, limits, what)
+        if code is None:
+            code = _wait(folder, where, limits, what)
         failure = folder / FAILURE
         if failure.is_file():
             raise _failure(failure, where, limits, what)
         if code != 0 or not (folder / RESULT).is_file():
             raise FormatError(
-                f"{what} {_ending(code)}; the file is damaged, or made to do harm", where=where,
+                f"{what} {spell_ending(code)}; the file is damaged, or made to do harm", where=where,
                 hint="export the file again" + _last_words(folder / LOG),
             )  # fmt: skip
         data, arrays = read_container(folder / RESULT, SCHEMA)
@@ -74,12 +69,21 @@ def run_in_worker(
         shutil.rmtree(folder, ignore_errors=True)
 
 
+def _fork(task: str, folder: Path, where: Path, limits: WorkerLimits, what: str) -> int | None:
+    """The exit code of a forked child; None where this process has no fork server (see forker)."""
+    server = forker()
+    if server is None:
+        return None
+    try:
+        code = server.run(task.split(":")[0], folder, limits.seconds)
+    except OSError:
+        return None
+    if code is None:
+        raise _too_slow(where, limits, what)
+    return code
+
+
 def _wait(folder: Path, where: Path, limits: WorkerLimits, what: str) -> int:
-    environment = dict(os.environ)
-    packages = str(Path(__file__).resolve().parents[2])
-    environment["PYTHONPATH"] = os.pathsep.join(p for p in (packages, environment.get("PYTHONPATH")) if p)
-    # thread pools of numerical libraries reserve address space for each processor
-    environment |= {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
     # -P: never import from the working directory, which may be a folder of downloaded assets
     command = [sys.executable, "-P", "-m", "importers.workers.child", str(folder)]
     with (folder / LOG).open("wb") as log:
@@ -88,16 +92,13 @@ def _wait(folder: Path, where: Path, limits: WorkerLimits, what: str) -> int:
             stdin=subprocess.PIPE,
             stdout=log,
             stderr=log,
-            env=environment,
+            env=environment(),
             start_new_session=os.name == "posix",
         )
         try:
             return process.wait(limits.seconds)
         except subprocess.TimeoutExpired:
-            raise FormatError(
-                f"{what} did not finish within {limits.seconds:g} s and was stopped", where=where,
-                hint="the file is damaged, or too large: raise the worker's time limit",
-            ) from None  # fmt: skip
+            raise _too_slow(where, limits, what) from None
         finally:
             # also on KeyboardInterrupt; the worker ends by itself when this pipe closes
             if process.poll() is None:
@@ -107,6 +108,13 @@ def _wait(folder: Path, where: Path, limits: WorkerLimits, what: str) -> int:
                 process.stdin.close()
 
 
+def _too_slow(where: Path, limits: WorkerLimits, what: str) -> FormatError:
+    return FormatError(
+        f"{what} did not finish within {limits.seconds:g} s and was stopped", where=where,
+        hint="the file is damaged, or too large: raise --max-worker-seconds",
+    )  # fmt: skip
+
+
 def _failure(path: Path, where: Path, limits: WorkerLimits, what: str) -> LucarnaError:
     try:
         data = json.loads(path.read_text(encoding="utf-8"))
@@ -114,33 +122,18 @@ def _failure(path: Path, where: Path, limits: WorkerLimits, what: str) -> Lucarn
     except (OSError, ValueError, KeyError, TypeError):
         return FormatError(f"{what} failed without saying why", where=where)
     if kind == "memory":
-        size = f"{limits.memory_bytes / 2**30:.3g} GiB" if limits.memory_bytes else "the machine has"
         return FormatError(
-            f"{what} wanted more memory than its limit of {size}", where=where,
-            hint="the file is damaged, or too large: raise the worker's memory limit",
+            f"{what} wanted more memory than its limit of {memory_text(limits)}", where=where,
+            hint="the file is damaged, or too large: raise --max-worker-bytes",
         )  # fmt: skip
     error = InputError if kind == "input" else FormatError
     return error(message, where=Place(str(where), path=place), hint=hint)
 
 
-def _ending(code: int) -> str:
-    if code < 0:
-        try:
-            name = signal.Signals(-code).name
-        except ValueError:
-            name = f"signal {-code}"
-        if name == "SIGXCPU":
-            return "used up its processor time"
-        return f"crashed ({name})"
-    if os.name == "nt" and code & 0xC0000000 == 0xC0000000:
-        return f"crashed (0x{code:08X})"
-    return f"ended with code {code} and left no result"
-
-
 def _last_words(log: Path) -> str:
     """The last line that the worker printed, for bug reports."""
     try:
-        lines = log.read_text(encoding="utf-8", errors="replace").strip().splitlines()
+        words = last_line(log.read_bytes())
     except OSError:
         return ""
-    return f"; its last words: {lines[-1][:200]}" if lines else ""
+    return f"; its last words: {words}" if words else ""

@@ -49,7 +49,8 @@ def test_usage_errors(capsys: Capture) -> None:
     assert "did you mean `lucarna convert`?" in capsys.readouterr().err
     assert main(["convert", "a.glb"]) == 2
     assert "--out" in capsys.readouterr().err
-    assert main(["convert", "a.glb", "--out", "o", "--preset", "best"]) == 2
+    assert main(["convert", "a.glb", "--out", "o", "--quality", "best"]) == 2
+    assert "--quality: unknown quality 'best'" in capsys.readouterr().err
     assert main(["convert", "a.glb", "--out", "o", "--jobs", "-1"]) == 2
     assert main(["convert", "--help"]) == 0
 
@@ -121,16 +122,15 @@ def test_inspect_describes_sources_and_engine_files(tmp_path: Path, capsys: Capt
     source = textured_triangle().write_glb(tmp_path / "a.glb")
     assert main(["inspect", str(source), "--json"]) == 0
     data = json.loads(capsys.readouterr().out)
-    assert data["totals"] == {"triangles": 1, "vertices": 3}
-    assert data["images"][0]["size"] == [4, 4]
-    assert data["bounds_m"] == {"min": [0, 0, 0], "max": [1, 1, 0], "size": [1, 1, 0]}
+    assert data["textures"][0]["size"] == [4, 4]
+    assert data["meshes"][0]["bounds"] == [[0, 0, 0], [1, 1, 0]]
     main(["convert", str(source), "--out", str(tmp_path / "out")])
     capsys.readouterr()
     for name, word in (
         ("a.lmesh", "vertices 3"),
-        ("a.scene.json", "a.lmesh"),
+        ("a.scene.json", "mesh files: a.lmesh"),
         ("a.paint.material.toml", "surface"),
-        ("a.paint.base_color.dds", "size: 4 4 1"),
+        ("a.paint.base_color.dds", "size 4 4"),
     ):
         assert main(["inspect", str(tmp_path / "out" / name)]) == 0
         assert word in capsys.readouterr().out

@@ -92,3 +92,12 @@ def test_compare_needs_reports(tmp_path: Path, capsys: Capture) -> None:
     (tmp_path / "a.json").write_text("{}", "utf-8")
     assert main(["report", "--compare", str(tmp_path / "a.json"), str(tmp_path / "a.json")]) == 1
     assert "no report" in capsys.readouterr().err
+
+
+def test_a_scene_without_names_chooses_what_measures_scenes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    chosen: list[list[str]] = []
+    monkeypatch.setattr("importers.cli.report._measure", lambda found, args: chosen.append(sorted(found)) or 0)
+    (tmp_path / "x.glb").touch()
+    assert main(["report", "--scene", str(tmp_path / "x.glb"), "--out", str(tmp_path / "r")]) == 0
+    assert main(["report", "quaternion", "--scene", str(tmp_path / "x.glb"), "--out", str(tmp_path / "r")]) == 0
+    assert chosen == [["picture", "picture_lights", "pruning", "sun_shadows"], ["quaternion"]]

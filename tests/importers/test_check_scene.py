@@ -15,15 +15,15 @@ from engine.assets.clip import Channel, ClipAsset
 from engine.assets.lmesh import write_lmesh
 from engine.assets.material import MaterialAsset
 from engine.assets.material_toml import write_material
-from engine.assets.mesh import MeshAsset, Skeleton
+from engine.assets.mesh import MeshAsset, MorphTarget, Skeleton
 from engine.assets.primitives import cube, mesh_from_arrays, uv_sphere
 from engine.assets.scene import CameraAsset, LightAsset, MeshRef, NodeAsset, SceneAsset
 from engine.assets.scene_json import write_scene
 from engine.core.findings import Finding, Findings, Severity
-from importers.check_mesh import check_mesh_numbers
-from importers.check_scene import SceneParts, check_scene_numbers
+from importers.checks.light_inside import is_inside
+from importers.checks.mesh import check_mesh_numbers
+from importers.checks.scene import SceneParts, check_scene_numbers
 from importers.cli.main import main
-from importers.light_inside import is_inside
 
 
 def sound() -> SceneParts:
@@ -76,6 +76,42 @@ def keys(times: list[float], bad: float = 0.0) -> Callable[[SceneParts], None]:
     return change
 
 
+def morph(value: float) -> Callable[[SceneParts], None]:
+    def change(parts: SceneParts) -> None:
+        made = parts.meshes[0]
+        assert made is not None
+        offsets = np.zeros((made.vertex_count, 3), np.float32)
+        offsets[2, 1] = value
+        made.morphs.append(MorphTarget("smile", {"position": offsets}))
+
+    return change
+
+
+def mesh_at(distance: float) -> Callable[[SceneParts], None]:
+    def change(parts: SceneParts) -> None:
+        made = parts.meshes[0]
+        assert made is not None
+        made.streams["position"] = (made.streams["position"] + np.float32([distance, 0.0, 0.0])).astype(np.float32)
+
+    return change
+
+
+def beside(scale: float) -> Callable[[SceneParts], None]:
+    def change(parts: SceneParts) -> None:
+        parts.scene.nodes.append(NodeAsset("speck", translation=(2.0, 0.0, 0.0), scale=(scale,) * 3))
+        parts.meshes = [*parts.meshes, parts.meshes[0]]
+
+    return change
+
+
+def turning(length: float) -> Callable[[SceneParts], None]:
+    def change(parts: SceneParts) -> None:
+        channel = parts.clips["move"].channels[0]
+        channel.path, channel.values = "rotation", np.float32([[0, 0, 0, 1], [0, 0, 0, length]])
+
+    return change
+
+
 def test_a_sound_scene_gives_no_finding() -> None:
     assert check(sound()) == []
 
@@ -104,6 +140,12 @@ def test_a_sound_scene_gives_no_finding() -> None:
         (param("roughness", 0.0), "number.roughness", "info", "paint.params.roughness", "paint"),
         (param("roughness", -1.0), "number.material", "error", "paint.params.roughness", "paint"),
         (param("base_color", (math.nan, 0, 0, 1)), "number.material", "error", "paint.params.base_color", "paint"),
+        (node(0, weights=[0.5, math.nan]), "number.morph-weight", "error", "nodes[0].weights", "body"),
+        (node(0, weights=[1e30]), "number.morph-weight", "error", "nodes[0].weights", "body"),
+        (morph(math.inf), "number.morph", "error", "nodes[0].mesh.morphs[0].position", "smile"),
+        (mesh_at(1e6), "number.far-origin", "warning", "nodes[0].mesh.position", "sphere"),
+        (beside(1e-9), "number.speck", "warning", "nodes[3]", "speck"),
+        (turning(0.5), "number.clip-rotation", "warning", "move.channels[0].values", "move"),
         (keys([0.0, 0.0]), "clip.order", "warning", "move.channels[0]", "move"),
         (keys([1.0, 0.5]), "clip.order", "warning", "move.channels[0]", "move"),
         (keys([0.0, 1.0], math.nan), "clip.finite", "warning", "move.channels[0]", "move"),

@@ -11,9 +11,9 @@ from engine.assets.lanim import read_lanim
 from engine.assets.lmesh import read_lmesh
 from engine.assets.material_toml import read_material
 from engine.assets.scene_json import read_scene
-from engine.core.errors import UsageError
+from engine.core.errors import FormatError, UsageError
 from importers.cache import scene_for
-from importers.checking import check_file
+from importers.checks.files import check_file
 from importers.convert import convert
 from importers.naming import UniqueNames, safe_name
 from importers.settings import ImportSettings
@@ -120,7 +120,7 @@ def test_cache_is_by_content_not_by_place(tmp_path: Path) -> None:
     assert again == first
     changed, _ = scene_for(triangle().write_glb(tmp_path / "moved" / "a.glb"))
     assert changed != first
-    other, _ = scene_for(tmp_path / "moved" / "a.glb", settings=ImportSettings(preset="draft"))
+    other, _ = scene_for(tmp_path / "moved" / "a.glb", settings=ImportSettings(quality="draft"))
     assert other != changed
 
 
@@ -154,8 +154,8 @@ def test_scene_file_passes_through(tmp_path: Path) -> None:
 
 
 def test_settings_are_checked() -> None:
-    with pytest.raises(UsageError, match="unknown preset"):
-        ImportSettings(preset="best")
+    with pytest.raises(UsageError, match="unknown quality"):
+        ImportSettings(quality="best")
 
 
 def test_findings_of_real_files(shared_assets: Path, tmp_path: Path) -> None:
@@ -164,10 +164,10 @@ def test_findings_of_real_files(shared_assets: Path, tmp_path: Path) -> None:
     assert [f.code for f in result.findings] == ["gltf.weights"]
     assert "210 of 3,273" in next(iter(result.findings)).message
     assert len(read_lanim(tmp_path / "man" / "CesiumMan.clip_0.lanim").channels) == 57
-    draco = shared_assets / "gltf_assimp" / "draco" / "2CylinderEngine.gltf"
-    with pytest.raises(Exception, match="KHR_draco_mesh_compression"):
-        convert(draco, tmp_path / "draco", SETTINGS)
-    assert not (tmp_path / "draco").exists()
+    broken = shared_assets / "malformed" / "no_newline.mesh"
+    with pytest.raises(FormatError):
+        convert(broken, tmp_path / "broken", SETTINGS)
+    assert not (tmp_path / "broken").exists()
 
 
 def test_every_container_of_a_model_gives_the_same_mesh(shared_assets: Path, tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ import pytest
 from engine.assets.clip import ClipAsset
 from engine.core.errors import UsageError
 from importers.cli.main import main
-from importers.export_obj import find_clip, load_geometry, obj_bytes, time_of_frame
+from importers.export.obj import find_clip, load_geometry, obj_bytes, time_of_frame
 from importers.settings import ImportSettings
 from tests.support.fbx_builder import QUAD, FbxBuilder
 
@@ -75,7 +75,7 @@ def test_a_converted_scene_gives_the_same(source: Path, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("words", "code", "message"),
     [
-        (["a.fbx", "--out", "x.glb"], 2, "only .obj"),
+        (["a.fbx", "--out", "x.fbx"], 2, "only .glb and .obj"),
         (["a.fbx", "--out", "x.obj", "--clip", "none"], 2, "'Rig|Slide'"),
         (["nothing.fbx", "--out", "x.obj"], 1, "no such file"),
         (["a.fbx", "--out", "x.obj", "--time", "1", "--frame", "2"], 2, "not allowed"),

@@ -12,14 +12,14 @@ from engine.animation.pose import PosedMesh, pose_meshes, pose_nodes
 from engine.assets.clip import ClipAsset
 from engine.core.errors import FormatError, InputError
 from importers.convert import convert
-from importers.export_obj import time_of_frame
+from importers.export.obj import time_of_frame
 from importers.fbx.reader import dependencies, load
 from importers.model import ImportedModel
 from importers.registry import find_importer
 from importers.settings import ImportSettings
 from tests.support.fbx_builder import QUAD, FbxBuilder
 
-SETTINGS = ImportSettings(preset="draft")
+SETTINGS = ImportSettings(quality="draft")
 UV = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]
 IDENTITY = [1.0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]
 

@@ -9,7 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from engine.assets.scene_json import read_scene
 from engine.core.findings import Findings, Severity
+from importers.convert import convert
 from importers.gltf.container import json_depth
 from importers.gltf.reader import dependencies, load
 from importers.model import ImportedModel
@@ -346,14 +348,45 @@ def test_json_depth_ignores_brackets_in_strings() -> None:
 def test_no_image_and_webp_source(tmp_path: Path) -> None:
     b = textured_triangle()
     b.root["textures"][0] = {"extensions": {"EXT_texture_webp": {"source": 1}}}
-    b.root["textures"][1] = {"extensions": {"KHR_texture_basisu": {"source": 1}}}
+    b.root["textures"][1] = {}
     model = read(b, tmp_path)
     assert model.materials[0].images["base_color_map"].image == 1
     assert "normal_map" not in model.materials[0].images
-    assert any("KHR_texture_basisu" in f.message for f in model.findings)
+    assert any("names no image" in f.message for f in model.findings)
 
 
 def test_an_image_in_the_buffer_is_read_whole(tmp_path: Path) -> None:
     data = png(3, 2)
     model = read(textured_triangle(data), tmp_path)
     assert model.images[0].data() == data
+
+
+IES = "IESNA91\nTILT=NONE\n1 1000 2 3 1 1 2 0 0 0\n1 1 10\n0 90 180\n0\n100 50 0\n"
+
+
+def test_light_profiles_come_along(tmp_path: Path) -> None:
+    """EXT_lights_ies: the file's candela times the multiplier, the file itself beside the scene, a dependency."""
+    b = triangle()
+    (tmp_path / "spot lamp.ies").write_text(IES, "utf-8")
+    of = {"light": 0, "multiplier": 0.5, "color": [1, 0.5, 0]}
+    b.root["nodes"].append({"name": "lamp", "extensions": {"EXT_lights_ies": of}})
+    b.root["nodes"].append({"name": "lost", "extensions": {"EXT_lights_ies": {"light": 1}}})
+    b.root["nodes"].append({"name": "none", "extensions": {"EXT_lights_ies": {"light": 7}}})
+    b.root["scenes"] = [{"nodes": [0, 1, 2, 3]}]
+    b.root["extensions"] = {"EXT_lights_ies": {"lights": [{"uri": "spot%20lamp.ies"}, {"uri": "gone.ies"}]}}
+    b.root["extensionsRequired"] = ["EXT_lights_ies"]
+    model = read(b, tmp_path)
+    lamp, lost, none = (node.light for node in model.nodes[1:])
+    assert lamp is not None
+    assert lost is not None
+    assert none is None
+    assert (lamp.type, lamp.intensity, lamp.color, lamp.profile) == ("point", 100.0, (1.0, 0.5, 0.0), "spot lamp.ies")
+    assert (lost.intensity, lost.profile) == (1.0, "")
+    assert {f.code for f in model.findings} == {"gltf.light", "gltf.index"}
+    assert ("spot%20lamp.ies", (tmp_path / "spot lamp.ies").resolve()) in dependencies(tmp_path / "t.glb", SETTINGS)
+    result = convert(next(tmp_path.glob("*.gl*")), tmp_path / "out", ImportSettings())
+    scene = read_scene(result.scene or tmp_path)
+    assert scene.nodes[1].light is not None
+    file = tmp_path / "out" / scene.nodes[1].light.profile
+    assert file.read_text("utf-8") == IES
+    assert file in result.outputs

@@ -93,3 +93,44 @@ def test_all_meshes_load_and_agree_with_the_converter(shared_assets: Path, tmp_p
     if tool is None:
         pytest.skip("all load; not compared: OgreXMLConverter is not installed")
     assert compared == 41
+
+
+@pytest.mark.parametrize("name", ["ninja", "robot", "knot"])
+def test_all_serializer_versions(name: str, shared_assets: Path, tmp_path: Path) -> None:
+    """Written anew by Ogre's own tool in every version and byte order that it knows, the mesh is the same for us."""
+    tool = shutil.which("OgreMeshUpgrader")
+    if tool is None:
+        pytest.skip("OgreMeshUpgrader is not installed")
+    source = shared_assets / "ogre" / "models" / f"{name}.mesh"
+    wanted = load(source, ImportSettings()).meshes[0]
+    heads = set()
+    for version in ("1.10", "1.8", "1.7", "1.4", "1.0"):
+        for order in ("little", "big"):
+            path = tmp_path / f"{version}_{order}.mesh"
+            command = [tool, "-V", version, "-E", order, "-r", str(source), str(path)]
+            subprocess.run(command, capture_output=True, cwd=tmp_path, timeout=60, check=False)
+            heads.add(path.read_bytes()[:30])
+            mesh = load(path, ImportSettings()).meshes[0]
+            np.testing.assert_array_equal(mesh.indices, wanted.indices)
+            assert set(mesh.streams) >= {"position", "normal", "uv0"}
+            np.testing.assert_allclose(mesh.streams["position"], wanted.streams["position"], atol=1e-5)
+            np.testing.assert_allclose(mesh.streams["uv0"], wanted.streams["uv0"], atol=1e-6)
+    assert len(heads) >= 8
+
+
+def test_levels_of_detail_are_named(shared_assets: Path, tmp_path: Path) -> None:
+    """Of a mesh with levels that Ogre's tool made, the first is imported, and a finding counts the others."""
+    tool = shutil.which("OgreMeshUpgrader")
+    if tool is None:
+        pytest.skip("OgreMeshUpgrader is not installed")
+    source, path = shared_assets / "ogre" / "models" / "athene.mesh", tmp_path / "athene.mesh"
+    subprocess.run(
+        [tool, "-l", "2", "-d", "100", "-p", "50", str(source), str(path)],
+        capture_output=True,
+        cwd=tmp_path,
+        timeout=60,
+        check=False,
+    )
+    model, plain = load(path, ImportSettings()), load(source, ImportSettings())
+    assert len(model.meshes[0].indices) == len(plain.meshes[0].indices)
+    assert any("levels of detail" in f.message for f in model.findings), [str(f) for f in model.findings]

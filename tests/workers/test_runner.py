@@ -6,12 +6,14 @@ import os
 import sys
 import textwrap
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from engine.core.errors import FormatError, InputError
+from importers.workers import forker
 from importers.workers.runner import WorkerLimits, run_in_worker
 
 TASKS = """
@@ -21,6 +23,12 @@ from engine.core.errors import FormatError, InputError
 
 def echo(request):
     return {"said": request["say"]}, {"a": np.arange(6, dtype="<f8").reshape(2, 3), "b": np.zeros((0, 3), np.uint32)}
+
+calls = []
+
+def count(request):
+    calls.append(1)
+    return {"calls": len(calls), "said": request["say"]}, {}
 
 def crash(request):
     ctypes.string_at(0)
@@ -69,6 +77,35 @@ def tasks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
 
 
 FILE = Path("models/thing.fbx")
+
+
+@pytest.fixture
+def forking() -> Iterator[None]:
+    """Children forked by a server, as warm workers on Linux have them."""
+    if sys.platform != "linux":
+        pytest.skip("forks on Linux only")
+    forker.enable()
+    yield
+    server = forker._enabled.pop()
+    server.close()
+
+
+def test_forked_children_are_fresh_and_as_limited(tasks: str, forking: None) -> None:
+    for word in ("one", "two"):
+        assert run_in_worker(f"{tasks}:count", {"say": word}, FILE).data == {"calls": 1, "said": word}
+    with pytest.raises(FormatError, match=r"the reader crashed \(SIGSEGV\)"):
+        run_in_worker(f"{tasks}:crash", {}, FILE)
+    with pytest.raises(FormatError, match=r"did not finish within 0\.5 s"):
+        run_in_worker(f"{tasks}:hang", {}, FILE, WorkerLimits(seconds=0.5))
+    with pytest.raises(FormatError, match="wanted more memory than its limit of 1 GiB"):
+        run_in_worker(f"{tasks}:eat", {}, FILE, WorkerLimits(memory_bytes=1 << 30))
+    with pytest.raises(FormatError, match="RuntimeError: a mistake in the reader"):
+        run_in_worker(f"{tasks}:bug", {}, FILE)
+    server = forker.forker()
+    assert server is not None
+    for process in server._servers.values():
+        process.kill()
+    assert run_in_worker(f"{tasks}:count", {"say": "again"}, FILE).data["calls"] == 1
 
 
 def test_result_comes_back(tasks: str) -> None:

@@ -24,9 +24,10 @@ from engine.core.paths import shaders_dir
 from engine.materials.library import EffectLibrary
 from engine.math.bounds import transform_box
 from engine.math.ggx import MIN_ROUGHNESS
+from engine.scene.morphs import LARGEST_WEIGHT
 from engine.scene.scene import Scene
-from importers.check_mesh import check_mesh_numbers
-from importers.light_inside import is_inside
+from importers.checks.light_inside import is_inside
+from importers.checks.mesh import check_mesh_numbers
 
 F8 = NDArray[np.float64]
 
@@ -40,8 +41,10 @@ LARGEST_NUMBER = 1e18
 FLATTEST = 1e-7
 #: far : near beyond which a depth buffer of 24 bits, not reversed, shows far surfaces through each other
 DEPTH_RATIO = 1e6
-#: |q| may be off by this before a rotation is called not normalised
-ROTATION_SLACK = 1e-3
+#: |q| may be off by this before a rotation is called not normalised; keys may be rounded to 8 bits
+ROTATION_SLACK, KEY_SLACK = 1e-3, 2e-2
+#: a body smaller than this part of the scene is never seen beside the rest
+SPECK = 1e-6
 
 
 @dataclass(slots=True)
@@ -113,6 +116,12 @@ def _check_nodes(parts: SceneParts, findings: Findings) -> None:
                     "number.transform", f"{name}: {column} {list(values)} is not finite", f"{where}.{column}",
                     "set it again; until then it counts as none",
                 )  # fmt: skip
+        bad = [w for w in node.weights if not abs(w) <= LARGEST_WEIGHT]
+        if bad:
+            findings.error(
+                "number.morph-weight", f"{name}: the morph weight {bad[0]:g} is beyond all use", f"{where}.weights",
+                f"set it between 0 and 1; it counts as 0 or as {LARGEST_WEIGHT:g}",
+            )  # fmt: skip
         length = math.hypot(*node.rotation)
         if length < 1e-30:
             findings.error(
@@ -171,6 +180,13 @@ def _check_sizes(parts: SceneParts, scene: Scene, boxes: dict[int, tuple[F8, F8]
         return
     # the longest side, not the diagonal: squares of 1e300 overflow
     size = float((np.max([b[1] for b in boxes.values()], 0) - np.min([b[0] for b in boxes.values()], 0)).max())
+    for index, (low, high) in boxes.items():
+        own = float((high - low).max())
+        if 0.0 < own < SPECK * size:
+            findings.warn(
+                "number.speck", f"node {parts.scene.nodes[index].name!r}: {own:.2g} m across, the scene {size:.2g} m",
+                f"nodes[{index}]", "look for a scale or a unit that does not fit the rest of the scene",
+            )  # fmt: skip
     if size < SMALLEST_SCENE or size > LARGEST_SCENE:
         findings.warn(
             "number.units", f"the whole scene is {size:.3g} m across", "nodes",
@@ -226,6 +242,20 @@ def _corners(low: F8, high: F8) -> list[F8]:
 
 
 def _check_clip(clip: ClipAsset, path: str, nodes: int, findings: Findings) -> None:
+    for index, channel in enumerate(clip.channels):
+        keys = np.asarray(channel.values, np.float64)
+        if channel.path != "rotation" or keys.ndim < 2 or keys.shape[-1] != 4 or not keys.size:
+            continue
+        length = np.linalg.norm(
+            keys[:, 1] if keys.ndim == 3 else keys, axis=-1
+        )  # of a cubic key the value, no tangents
+        off = np.isfinite(length) & (np.abs(length - 1.0) > KEY_SLACK)
+        if off.any():
+            findings.warn(
+                "number.clip-rotation", f"clip {clip.name!r}: {np.count_nonzero(off):,} rotation keys of "
+                f"{channel.target or f'node {channel.node}'!r} have not length 1 (first {length[off][0]:.3g})",
+                f"{path}.channels[{index}].values", "export the animation again; they are read as if they were",
+            )  # fmt: skip
     notes = Findings()
     pack(clip, np.arange(nodes), notes)
     for finding in notes:

@@ -15,6 +15,8 @@ from importers.geometry.topology import zero_area
 SHORTEST_UNIT = 0.5
 #: Every mesh from a modeller has a few triangles without area; beyond this part of all it is worth a word.
 ZERO_AREA_PART = 0.05
+#: A mesh should be this many float32 steps across, or its rounding is seen.
+COARSEST = 10_000
 #: Weights are unorm16 and sum to 65535; each of eight may be rounded by half.
 WEIGHT_SLACK = 8
 
@@ -35,10 +37,33 @@ def check_mesh_numbers(mesh: MeshAsset, path: str, findings: Findings) -> None:
                 "number.uv", f"{name}: {_count(broken)} texture coordinates are not finite", f"{path}.{uv}",
                 "unwrap the mesh again, or export it again",
             )  # fmt: skip
+    for index, target in enumerate(mesh.morphs):
+        for stream, values in target.streams.items():
+            if (broken := _rows_not_finite(np.asarray(values))).any():
+                findings.error(
+                    "number.morph", f"{name}: morph target {target.name!r} has {_count(broken)} {stream} offsets that "
+                    "are not finite", f"{path}.morphs[{index}].{stream}", "sculpt it again, or export it again",
+                )  # fmt: skip
     _check_directions(mesh, name, path, findings)
     if not bad.any():
+        _check_place(position, name, path, findings)
         _check_triangles(mesh, name, path, findings)
     _check_skin(mesh, name, path, findings)
+
+
+def _check_place(position: NDArray[Any], name: str, path: str, findings: Findings) -> None:
+    """Whether the mesh lies so far from its own origin that float32 rounds its shape away."""
+    if len(position) == 0:
+        return
+    values = np.asarray(position, np.float64)
+    size = float((values.max(axis=0) - values.min(axis=0)).max())
+    step = float(np.spacing(np.float32(np.abs(values).max())))
+    if 0.0 < size < COARSEST * step:
+        findings.warn(
+            "number.far-origin", f"{name}: {size:.3g} m across, but so far from its own origin that positions are "
+            f"rounded to {step:.1g} m", f"{path}.position",
+            "move the mesh's origin to the mesh and put the distance into its node",
+        )  # fmt: skip
 
 
 def _check_directions(mesh: MeshAsset, name: str, path: str, findings: Findings) -> None:

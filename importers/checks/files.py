@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from engine.assets.scene import SceneAsset
 from engine.core.errors import InputError
 from engine.core.findings import Findings
 from importers.registry import find_importer, source_extensions
 from importers.settings import ImportSettings
+
+if TYPE_CHECKING:
+    from importers.contents import Contents
 
 T = TypeVar("T")
 
@@ -35,19 +38,30 @@ def checkable_files(path: Path) -> list[Path]:
     """`path` itself, or all sources and engine files below it, sorted. Raises InputError where there are none."""
     if not path.is_dir():
         return [path]
-    known = source_extensions()
+    known = source_extensions(in_folders=True)
     found = sorted(
-        p for p in path.rglob("*") if p.is_file() and (p.suffix.lower() in known or engine_kind(p))
+        p for p in path.rglob("*")
+        if (p.name.lower().endswith(known) or engine_kind(p)) and not p.name.startswith(".") and p.is_file()
     )  # fmt: skip
     if not found:
         raise InputError("the folder holds nothing that can be checked", where=path)
     return found
 
 
-def check_file(path: Path, settings: ImportSettings) -> Findings:
-    """All findings of one file. Raises InputError or FormatError where it cannot be read at all."""
+def perform(request: dict[str, Any], progress: Callable[[str, float], None]) -> dict[str, Any]:
+    """`check_file` on a worker's side: {"source", "settings", "budgets"} -> {"findings", "left_out"}."""
+    values = {k: tuple(v) if isinstance(v, list) else v for k, v in request["settings"].items()}
+    findings = check_file(Path(request["source"]), ImportSettings().replace(**values), request["budgets"])
+    return {"findings": [finding.to_json() for finding in findings], "left_out": findings.left_out}
+
+
+def check_file(path: Path, settings: ImportSettings, budgets: Mapping[str, float] | None = None) -> Findings:
+    """All findings of one file; `budgets`: limits by name (see importers.checks.budgets).
+
+    Raises InputError or FormatError where it cannot be read at all."""
     kind = engine_kind(path)
     findings = Findings(str(path))
+    contents = None
     if kind == "scene":
         _check_scene(path, findings)
     elif kind == "material":
@@ -56,28 +70,29 @@ def check_file(path: Path, settings: ImportSettings) -> Findings:
         from engine.materials.effect import load_effect
 
         load_effect(path)
-    elif kind == "mesh":
-        from engine.assets.lmesh import read_lmesh
+        return findings
+    elif not kind:
+        findings, contents = _check_source(path, settings)
+    from importers.checks.budgets import check_budgets
+    from importers.checks.topology import check_topology
+    from importers.contents import load_contents
 
-        read_lmesh(path)
-    elif kind == "clip":
-        from engine.assets.lanim import read_lanim
-
-        read_lanim(path)
-    elif kind == "texture":
-        from engine.assets.dds import read_dds
-
-        read_dds(path)
-    else:
-        return _check_source(path, settings)
+    if contents is None:  # reading checks meshes, clips and textures; for the others its findings are said above
+        contents = load_contents(path, settings)
+    for number, mesh in enumerate(contents.meshes):
+        check_topology(mesh, f"meshes[{number}]", findings)
+    if budgets:
+        check_budgets(contents, path, budgets, settings, findings)
     return findings
 
 
-def _check_source(path: Path, settings: ImportSettings) -> Findings:
-    from importers.check_scene import SceneParts, check_scene_numbers
+def _check_source(path: Path, settings: ImportSettings) -> tuple[Findings, Contents]:
+    from importers.checks.scene import SceneParts, check_scene_numbers
+    from importers.contents import Contents, take_model
     from importers.textures.image import decode
 
-    model = find_importer(path).load(path, settings)
+    importer = find_importer(path)
+    model = importer.load(path, settings)
     used = sorted({use.image for material in model.materials for use in material.images.values()})
     for image in used:
         source = model.images[image]
@@ -95,11 +110,20 @@ def _check_source(path: Path, settings: ImportSettings) -> Findings:
     materials = {f"materials[{i}]": m.asset for i, m in enumerate(model.materials)}
     clips = {f"animations[{i}]": clip for i, clip in enumerate(model.clips)}
     check_scene_numbers(SceneParts(scene, meshes, materials, clips), model.findings)
-    return model.findings
+    for place, material in () if model.lone is not None else materials.items():
+        for slot in sorted(material.textures.keys() - model.materials[int(place[10:-1])].images.keys()):
+            model.findings.warn(
+                "material.missing-map", f"material {material.name!r} wants a {slot} and has none; it draws as magenta",
+                place, "put the image where the source names it, or take it from the material",
+            )  # fmt: skip
+    contents = Contents("source", model.findings)
+    take_model(model, importer, contents)
+    return model.findings, contents
 
 
 def _check_scene(path: Path, findings: Findings) -> None:
     from engine.assets.scene_json import read_scene
+    from engine.scene.light_profiles import check_profiles
 
     scene = read_scene(path, findings)
     wanted: dict[str, str] = {}
@@ -113,6 +137,7 @@ def _check_scene(path: Path, findings: Findings) -> None:
     if scene.environment.kind == "image":
         wanted.setdefault(scene.environment.path, "environment.path")
     _report_missing(path.parent, wanted, findings)
+    check_profiles((node.light.profile for node in scene.nodes if node.light), path.parent, findings)
     _check_numbers(path.parent, scene, findings)
 
 
@@ -121,7 +146,7 @@ def _check_numbers(folder: Path, scene: SceneAsset, findings: Findings) -> None:
     from engine.assets.lanim import read_lanim
     from engine.assets.lmesh import read_lmesh
     from engine.assets.material_toml import read_material
-    from importers.check_scene import SceneParts, check_scene_numbers
+    from importers.checks.scene import SceneParts, check_scene_numbers
 
     def read_all(names: list[str], reader: Callable[[Path], T]) -> dict[str, T]:
         found: dict[str, T] = {}
@@ -145,7 +170,7 @@ def _check_numbers(folder: Path, scene: SceneAsset, findings: Findings) -> None:
 
 def _check_material(path: Path, findings: Findings) -> None:
     from engine.assets.material_toml import read_material
-    from importers.check_scene import check_material_numbers
+    from importers.checks.scene import check_material_numbers
 
     wanted: dict[str, str] = {}
     material = read_material(path)
