@@ -6,6 +6,7 @@
     dialogs/ *.py         open, save, progress, unsaved changes, palette, cards         (imgui)
     menus, keys, widgets, param_widgets, theme, layout                                  (imgui)
     overlay, markers, axis_widget, gizmo_widget      drawn over the picture             (imgui)
+    light_outlines        what lights are and how far they reach, drawn over the picture   (imgui)
       |  read the session, call operations, propose edits
       v
     session.py            what the window works on: document, camera, settings, log    (no imgui, no GL)
@@ -15,8 +16,12 @@
       |     '-- journal.py    every edit on disk as it happens; recovering.py restores what a killed session left
       |-- tools, gizmo, selecting      move/turn/scale arithmetic, box selection, isolating, measuring
       |-- code/           shader files as text: documents, problems, completion
+      |-- animating/     edits of an animation file, clock and log that follow it
       |-- watch.py        edited shaders and materials on disk -> the runtime, and what is wrong with them
       |-- opening.py      path -> scene file, in a worker thread, cancellable
+      |-- work.py         what takes long, a step a frame: measuring what is left out, experiments
+      |     '-- report.py, work_precision.py    error over time on the open view: answers, what to set, the diagram
+      |-- numbers.py      which pass made the first NaN, and going there
       '-- viewport_image.py   renders only when something visible changed
       v
     host.py               the engine's side: runtime, view, scene_for (tests put a fake one here)

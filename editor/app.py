@@ -15,6 +15,7 @@ from editor.dialogs.modals import draw_error_bar
 from editor.operations import Operations
 from editor.panels.base import Panel
 from editor.panels.registry import make_panels
+from editor.panels.report import drop_context
 from editor.panels.viewport import ViewportPanel
 from editor.preferences import layout_path
 from editor.session import Session
@@ -168,7 +169,7 @@ class App:
         session.tick(min(float(io.delta_time), 0.25))
         keys.run_shortcuts(self.ui, flying=self.panel(ViewportPanel).flying)
         self._requests()
-        if session.playback.playing or session.job is not None:
+        if session.playback.playing or session.job is not None or session.work is not None:
             self._refresh()
 
     def _interacting(self, io: Any) -> bool:
@@ -260,6 +261,7 @@ class App:
             session.journal = None
         session.shaders.stop()
         session.close()
+        drop_context()
         session.remember()
 
 

@@ -6,12 +6,18 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-from editor import camera_controls
+from editor import camera_controls, numbers, report, work
+from editor.animating.operations import add_animation_operations
 from editor.editing_operations import add_editing_operations
 from editor.navigation import PRESETS
 from editor.operations import Operation, Operations, always
 from editor.session import Session
-from engine.render.settings import DEBUG_VIEWS
+from engine.render.settings import DEBUG_VIEWS, VIEW_LEGENDS
+
+#: the debug views in the order of their keys: 1 to 9, then the same with Shift
+DEBUG_KEYS = (
+    *DEBUG_VIEWS[:9], "lighting", "depth", "overdraw", "wireframe", "texel_density", "uv_checker", *DEBUG_VIEWS[9:13],
+)  # fmt: skip
 
 
 def _has_document(session: Session) -> bool:
@@ -20,6 +26,36 @@ def _has_document(session: Session) -> bool:
 
 def _has_selection(session: Session) -> bool:
     return session.document is not None and bool(session.document.selection)
+
+
+def _measure_left_out(session: Session) -> None:
+    if work.start(session, work.MeasureLeftOut()):
+        session.ui.focus_panel = "Frame graph"
+
+
+def _run_report(session: Session) -> None:
+    session.ui.focus_panel = "Report"
+    report.start(session, report.OWN)
+
+
+def _has_reports(session: Session) -> bool:
+    return bool(session.reports)
+
+
+def _has_advice(session: Session) -> bool:
+    return report.OWN in session.reports
+
+
+def _is_working(session: Session) -> bool:
+    return session.work is not None
+
+
+def _checks_numbers(session: Session) -> bool:
+    return session.document is not None and numbers.offered(session)
+
+
+def _marks_numbers(session: Session) -> bool:
+    return session.settings.values().get("view") == numbers.VIEW
 
 
 def _can_undo(session: Session) -> bool:
@@ -289,6 +325,7 @@ def builtin_operations() -> Operations:
         checked=_is_orthographic)  # fmt: skip
     for name, label in (
         ("show_axes", "Axes"), ("show_stats", "Statistics"), ("show_outline", "Selection outline"),
+        ("show_lights", "Reach of all lights"),
     ):  # fmt: skip
         run, checked = _toggle_preference(name)
         add(f"view.{name.replace('_', '-')}", label, run, menu="View", checked=checked, separator=name == "show_axes")
@@ -298,11 +335,32 @@ def builtin_operations() -> Operations:
     add("view.reset-layout", "Reset layout", _ask("reset_layout"), menu="View")
     add("view.reset-settings", "Reset render settings", Session.reset_settings, menu="View", enabled=doc)
 
-    for i, name in enumerate(DEBUG_VIEWS[:9]):
+    keys = [*map(str, range(1, 10)), *(f"Shift+{k}" for k in range(1, 10)), "Shift+0"]
+    for i, name in enumerate(DEBUG_KEYS):
         run, enabled, checked = _debug_view(name)
         label = f"Show {name.replace('_', ' ')}"
         id = f"view.show-{name.replace('_', '-')}"
-        add(id, label, run, str(i + 1), menu="View", enabled=enabled, checked=checked, separator=i == 0)
+        add(id, label, run, keys[i], menu="View", enabled=enabled, checked=checked, separator=i == 0,
+            about=VIEW_LEGENDS.get(name, ""))  # fmt: skip
+
+    add("view.check-numbers", "Check numbers", numbers.toggle, menu="View", enabled=_checks_numbers,
+        checked=numbers.checking, separator=True, about="Look for NaN and infinities in every pass")  # fmt: skip
+    add("view.mark-numbers", "Mark NaN and infinities", numbers.toggle_marks, "0", menu="View",
+        enabled=_checks_numbers, checked=_marks_numbers,
+        about="The picture dimmed: magenta NaN, yellow infinite, cyan negative, orange too bright")  # fmt: skip
+    add("view.numbers", "Numbers of the passes", _show_panel("Numbers"), menu="View")
+
+    add("view.measure-left-out", "Measure what is left out", _measure_left_out, menu="View", enabled=doc,
+        about="Time the frame with all passes forced")  # fmt: skip
+    add("view.report", "Report: error against run time", _show_panel("Report"), menu="View",
+        about="Measure what the settings of this view cost and what they buy")  # fmt: skip
+    add("report.run", "Run the report on this view", _run_report, enabled=doc,
+        about="What each setting of this view costs and buys")  # fmt: skip
+    add("report.apply", "Apply what the report advises", report.apply_advice, enabled=_has_advice,
+        about="The settings that would be gained by; undo takes them back")  # fmt: skip
+    add("report.write", "Write the report", report.write, enabled=_has_reports,
+        about="The results at hand as report.html and report.json")  # fmt: skip
+    add("view.cancel-work", "Cancel what is being measured", work.cancel, enabled=_is_working)
 
     add("play.toggle", "Play or pause", lambda s: s.playback.toggle(), "Space", menu="Playback", enabled=_can_play)
     add("play.previous", "Previous frame", _step(-1), ",", menu="Playback", enabled=_can_play)
@@ -329,6 +387,7 @@ def builtin_operations() -> Operations:
         add(f"help.keymap-{preset}", f"Keymap: {preset}", run, menu="Help", checked=checked, separator=first)
     add("help.about", "About Lucarna", _ask("about"), menu="Help", separator=True)
     add_editing_operations(ops)
+    add_animation_operations(ops)
     return ops
 
 

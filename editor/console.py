@@ -1,7 +1,8 @@
 """The Python console's interpreter: the session's operations and tables by name. No imgui.
 
 Names there: `session`, `document()`, `scene()`, `selection()`, `node(name)`, `run(operation)`, `operations()`,
-`edit(table, column, rows, values)`, `np`. What `run` and `edit` do can be undone like any other edit.
+`edit(table, column, rows, values)`, `animation` (its methods edit tracks, masks, states…), `np`. What they do can be
+undone like any other edit.
 """
 
 from __future__ import annotations
@@ -112,5 +113,8 @@ class Console:
         def edit(table: str, column: str, rows: Sequence[int], values: Sequence[Any]) -> None:
             document().edit(table, column, rows, values)
 
+        from editor.animating.editing import AnimationEditor
+
         made = (document, scene, selection, node, run, operations, edit)
-        return {"__name__": "console", "session": session, "np": np, **{f.__name__: f for f in made}}
+        return {"__name__": "console", "session": session, "np": np, "animation": AnimationEditor(session),
+                **{f.__name__: f for f in made}}

@@ -155,6 +155,8 @@ class Document:
             return
         assert isinstance(edit, Command)
         self.tables[edit.table].write(edit.column, edit.rows, edit.after)
+        if edit.of_view:
+            return
         for row, value in zip(edit.rows, edit.after, strict=True):
             key = (edit.table, edit.column, row)
             self.overrides.pop(key, None)  # the latest comes last: "local" and its parts overlap

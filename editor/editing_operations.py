@@ -20,8 +20,9 @@ from engine.core.errors import LucarnaError
 Run = Callable[[Session], None]
 Test = Callable[[Session], bool]
 BOOKMARKS = 4
+AREA_KINDS = ("rectangle", "disk")
 #: kind -> lux that a fresh light gives at what is looked at
-LIGHTS = {"point": 3.0, "spot": 6.0, "directional": 1.2}
+LIGHTS = {"point": 3.0, "spot": 6.0, "directional": 1.2, "rectangle": 4.0, "disk": 4.0}
 
 
 def add_editing_operations(ops: Operations) -> None:
@@ -51,6 +52,8 @@ def add_editing_operations(ops: Operations) -> None:
     add("add.empty", "Empty", add_empty, menu="Add", about="A node that carries nothing")
     for kind in LIGHTS:
         add(f"add.{kind}-light", f"{kind.capitalize()} light", _add_light(kind), menu="Add", separator=kind == "point")
+    add("add.scatter-lights", "Scatter lights…", _show("Lights"), menu="Add",
+        about="Many lights over the selection, and arrays of what is selected")  # fmt: skip
     add("add.camera", "Camera from view", add_camera, menu="Add", separator=True, about="Sees what the viewport shows")
 
     for mode, label, key in (
@@ -145,11 +148,14 @@ def _add_light(kind: str) -> Run:
         matrix = _at_target(session)
         matrix[1, 3] += 0.25 * session.camera.distance  # above what is looked at
         if kind != "point":  # shining down, from the side for the sun
-            angle = -math.pi / 2 if kind == "spot" else -math.pi / 4
+            angle = -math.pi / 4 if kind == "directional" else -math.pi / 2
             cos, sin = math.cos(angle), math.sin(angle)
             matrix[:3, :3] = [[1.0, 0.0, 0.0], [0.0, cos, -sin], [0.0, sin, cos]]
-        scale = 1.0 if kind == "directional" else (0.25 * session.camera.distance) ** 2
-        light = LightAsset(kind, intensity=LIGHTS[kind] * max(min(scale, 1e6), 1e-6))
+        away = 0.25 * session.camera.distance
+        size = 0.5 * away if kind in AREA_KINDS else 1.0
+        # what it gives straight ahead: lux is candela over distance squared; candela is nit times area
+        scale = 1.0 if kind == "directional" else away**2 / (size * size if kind in AREA_KINDS else 1.0)
+        light = LightAsset(kind, intensity=LIGHTS[kind] * max(min(scale, 1e6), 1e-6), width=size, height=size)
         _try(session, lambda document: structure.add_light(document, matrix, light))
 
     return run

@@ -39,6 +39,8 @@ class Diagram:
     edges: tuple[Edge, ...]
     columns: int
     rows: int
+    #: rows of those that run; the others are below
+    rows_running: int = 0
 
 
 def diagram(declarations: Sequence[Any], left_out: Sequence[Any]) -> Diagram:
@@ -71,7 +73,7 @@ def diagram(declarations: Sequence[Any], left_out: Sequence[Any]) -> Diagram:
     for i, item in enumerate(left_out):
         boxes.append(Box(item.name, i % across, height + i // across, (), str(item.reason), int_or_zero(item.saved)))
     width = max(width, min(len(left_out), across))
-    return Diagram(tuple(boxes), tuple(edges), width, height + -(-len(left_out) // across))
+    return Diagram(tuple(boxes), tuple(edges), width, height + -(-len(left_out) // across), height)
 
 
 def int_or_zero(value: object) -> int:

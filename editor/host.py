@@ -80,6 +80,7 @@ class EngineHost:
         from importers.opening import baker_for
 
         runtime = EngineRuntime(device, pixels=MANY_PICTURES)
+        runtime.sleepy = True
         try:
             runtime.open(scene, baker=baker_for(scene.parent), root=root)
         except BaseException:

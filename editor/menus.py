@@ -6,7 +6,7 @@ from pathlib import Path
 
 from imgui_bundle import hello_imgui, imgui
 
-from editor import icons, theme
+from editor import icons, numbers, theme
 from editor.navigation import hints
 from editor.operations import Operation
 from editor.ui import Ui
@@ -91,6 +91,13 @@ def draw_status_bar(ui: Ui) -> None:
             tooltip(f"{count} {severity}s in the log")
             imgui.same_line(0, em(0.9))
             shown = True
+    found = numbers.report(session)
+    if found is not None:
+        text(f"{icons.NUMBERS} {numbers.summary(found)}", theme.GOOD if found.first is None else theme.ERROR)
+        tooltip("\n".join(found.lines()))
+        if imgui.is_item_clicked():
+            session.ui.focus_panel = "Numbers"
+        imgui.same_line(0, em(0.9))
     if session.job is not None:
         text(session.job.text, theme.ACCENT)
     elif session.document is not None:

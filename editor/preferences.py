@@ -28,6 +28,8 @@ class Preferences:
     show_axes: bool = True
     show_stats: bool = True
     show_outline: bool = True
+    #: the reach of every light, not of the selected ones only
+    show_lights: bool = False
     #: render at half resolution while something moves and full resolution is slow
     adaptive_resolution: bool = True
     fly_speed: float = 1.0

@@ -10,6 +10,7 @@ import copy
 import filecmp
 import shutil
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path, PurePosixPath
 from typing import Any
 
@@ -18,7 +19,7 @@ import numpy as np
 from editor.document import Document
 from editor.opening import scene_stem
 from engine.assets.scene import NodeAsset, SceneAsset
-from engine.core.atomic import atomic_path
+from engine.core.atomic import atomic_path, write_text
 from engine.core.errors import OutputError
 from engine.core.paths import user_cache_dir
 
@@ -57,10 +58,17 @@ def save_document(document: Document, target: Path) -> list[Path]:
     asset = edited_scene(document.runtime, document.overrides)
     edited = edited_materials(document.runtime.residency, document.overrides)
     written: list[Path] = []
+    written += _carry_profiles(asset, target_dir)
     if source_dir != target_dir:
         for reference in sorted(set(_references(asset, source_dir))):
             if _copy(source_dir / reference, target_dir / reference):
                 written.append(target_dir / reference)
+    animation = document.overrides.get(("animation", "text", 0))
+    if animation is not None:
+        asset.animation = _animation_name(asset.animation, target) if animation else ""
+        if animation:
+            write_text(target_dir / asset.animation, animation)
+            written.append(target_dir / asset.animation)
     for path, changes in edited.items():
         inside = path.is_relative_to(source_dir)
         out = target_dir / path.relative_to(source_dir) if inside else path
@@ -124,7 +132,30 @@ def _restructured(scene: Any, base: SceneAsset, overrides: Mapping[tuple[str, st
     return asset
 
 
+def _carry_profiles(asset: SceneAsset, folder: Path) -> list[Path]:
+    """Copy light profiles that lie elsewhere to `folder` and name them there in `asset`; returns the copies."""
+    written = []
+    for node in asset.nodes:
+        if node.light is not None and node.light.profile and not _inside(node.light.profile):
+            source = Path(node.light.profile)
+            node.light = replace(node.light, profile=source.name)
+            if _copy(source, folder / source.name):
+                written.append(folder / source.name)
+    return written
+
+
+def _animation_name(present: str, target: Path) -> str:
+    """Where the animation is written, relative to the scene: where it was, if that is beside it."""
+    return present if present and _inside(present) else f"{scene_stem(target)}.animation.toml"
+
+
 def _apply_to_node(node: NodeAsset, column: str, value: Any) -> None:
+    if column == "skinning":
+        node.extras = {**node.extras, "skinning": value}
+        return
+    if column == "weights":
+        node.weights = [float(v) for v in value]
+        return
     if column == "local":
         node.translation, node.rotation, node.scale, matrix = value
         # ours is by rows, the file's by columns
@@ -150,10 +181,12 @@ def _references(asset: SceneAsset, folder: Path) -> Iterable[str]:
     """Every file inside `folder` that the scene names, and those its materials name."""
     from engine.assets.material_toml import read_material
 
-    direct = [*asset.clips, asset.environment.path]
+    direct = [*asset.clips, asset.environment.path, asset.animation]
     for node in asset.nodes:
         if node.mesh is not None:
             direct += [node.mesh.file, *node.mesh.materials]
+        if node.light is not None:
+            direct.append(node.light.profile)
     for reference in dict.fromkeys(direct):
         if not reference or not _inside(reference):
             continue

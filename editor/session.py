@@ -5,7 +5,7 @@ Panels read it and call it; operations are its named actions; tests drive it wit
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -14,9 +14,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from editor import camera_controls, preferences, recovering, saving
+from editor import camera_controls, preferences, recovering, saving, work
+from editor.animating import following
+from editor.animating.view import AnimatingView
 from editor.camera_controls import OrbitCamera
 from editor.code.files import CodeFiles
+from editor.commands.command import VIEW_TABLE
 from editor.document import Document
 from editor.host import Host
 from editor.journal import Journal, Recovery
@@ -25,10 +28,12 @@ from editor.opening import OpenJob
 from editor.playback import Playback
 from editor.preferences import Preferences
 from editor.selecting import nodes_in_box
+from editor.tables import SettingsTable
 from editor.thumbnails import Thumbnails
 from editor.tools import Tools
 from editor.viewport_image import ViewportImage
 from editor.watch import ShaderWatch
+from editor.work import ForcedCost, Work
 from engine.core.errors import LucarnaError
 from engine.core.param import ParamBlock
 
@@ -60,6 +65,8 @@ class UiRequests:
     #: rows under the pointer to choose from
     pick_list: tuple[int, ...] = ()
     copy_text: str = ""
+    #: a texel to show in the texture viewer (numbers.PixelRequest), or None
+    show_pixel: Any = None
 
 
 @dataclass(slots=True)
@@ -92,6 +99,17 @@ class Session:
     select_on_open: str = ""
     #: the last thing the user asked for that could not be done
     failure: LucarnaError | None = None
+    #: something long that is done in steps, and what the last frame would cost with nothing left out
+    work: Work | None = None
+    forced_cost: ForcedCost | None = None
+    #: results of experiments (engine.report.records.Result) by name, of this document
+    reports: dict[str, Any] = field(default_factory=dict)
+    #: the render settings that each was measured with
+    report_settings: dict[str, dict[str, Any]] = field(default_factory=dict)
+    #: what panels and overlays of animation show
+    animating: AnimatingView = field(default_factory=AnimatingView)
+    #: what the clock was last set up for, see animating.following
+    followed: Any = None
     _settings: ParamBlock | None = None
 
     # --- opening ---
@@ -107,6 +125,7 @@ class Session:
         """Once a frame: take over what a finished job found, and files that were edited. The present document stays
         until the next one is good."""
         self.shaders.poll(self)
+        work.step(self)
         job = self.job
         if job is None or not job.done:
             return
@@ -131,6 +150,7 @@ class Session:
         again = self.document is not None and self.document.source == document.source
         self.close()
         self.document = document
+        document.tables[VIEW_TABLE] = SettingsTable(lambda: self.settings)
         self.ui.error_bar = ""
         self.messages.findings(document.findings)
         runtime_findings = getattr(document.runtime, "findings", None)
@@ -140,6 +160,7 @@ class Session:
         nodes, draws = len(scene.nodes.name), len(scene.instances.node)
         self.messages.info(f"Opened {document.name}: {nodes} nodes, {draws} drawn parts", where=str(document.source))
         self.playback = Playback(duration=float(document.runtime.duration))
+        self.followed, self.animating = None, AnimatingView()
         self.playback.playing = self.playback.available and not self.software
         document.runtime.update(0.0)
         if not again:
@@ -156,6 +177,10 @@ class Session:
             if self.journal is not None:
                 self.journal.finish()
                 self.journal = None
+            if self.work is not None:
+                self.work.close()
+            self.work = self.forced_cost = None
+            self.reports.clear()
             self.tools.forget()
             self.image.forget()
             with self.device_frame():
@@ -198,11 +223,13 @@ class Session:
         command = self.document.history.undo() if self.document is not None else None
         if command is not None:
             self.ui.notice = f"Undone: {command.describe()}"
+            following.follow(self)
 
     def redo(self) -> None:
         command = self.document.history.redo() if self.document is not None else None
         if command is not None:
             self.ui.notice = f"Redone: {command.describe()}"
+            following.follow(self)
 
     def thumbnail(self, material: int, slot: str) -> int:
         """The native id of a small picture of the texture in a material's slot; 0 where there is none."""
@@ -305,6 +332,18 @@ class Session:
             settings.anisotropy = 1.0
         return settings
 
+    def apply_settings(self, values: Mapping[str, Any], label: str = "") -> None:
+        """Set several render settings as one entry of the undo history; a bad value is logged and changes nothing."""
+        known = {p.name: p for p in self.settings.PARAMS}
+        names = [name for name in values if name in known]
+        try:
+            checked = tuple(known[name].check(values[name]) for name in names)
+        except LucarnaError as error:
+            self.messages.error(error)
+            return
+        if names:
+            self.edit(VIEW_TABLE, ",".join(names), (0,), (checked,), label=label or "Change render settings")
+
     @property
     def software(self) -> bool:
         """Whether pictures are made by the CPU, and so are slow."""
@@ -393,13 +432,19 @@ class Session:
 
     def tick(self, seconds: float) -> None:
         """Advance the clock by wall time."""
+        following.follow(self)
         if self.document is not None and self.playback.tick(seconds):
-            self.document.runtime.update(self.playback.time)
+            states = following.drive_of(self) == "states"
+            self.document.runtime.update(self.playback.elapsed if states else self.playback.time)
+        following.report(self)
 
     def seek(self, time: float) -> None:
         self.playback.seek(time)
         if self.document is not None:
-            self.document.runtime.update(self.playback.time)
+            if following.drive_of(self) == "states":
+                following.runtime_of(self).seek(self.playback.time)
+            else:
+                self.document.runtime.update(self.playback.time)
 
     def visible_state(self) -> tuple[Hashable, ...]:
         """What the viewport's picture depends on, besides its size: equal states give equal pictures."""
@@ -415,6 +460,7 @@ class Session:
             int(scene.transform_rev),
             int(getattr(document.runtime.residency, "structure_rev", 0)),
             self.playback.time,
+            self.playback.elapsed if self.playback.playing else 0.0,
         )
 
     # --- the rest ---

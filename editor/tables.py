@@ -1,16 +1,19 @@
 """The columns that the editor may change, by table name: how to read them as plain values and write them back.
 
-nodes        translation rotation scale visible         rows = node rows
-lights       color intensity range inner outer          rows = light rows
+nodes        translation rotation scale visible name    rows = node rows
+             weights (of morph targets) skinning (linear | dual_quaternion)
+animation    text drive root_motion                     row 0
+lights       fields of LightAsset                        rows = light rows
 cameras      yfov znear                                 rows = camera rows
 materials    <parameter of the effect>                  rows = material ids
 environment  fields of EnvironmentAsset                 row 0
 look         fields of LookAsset                        row 0
+settings     names of render settings, joined by commas  row 0; of the view, not of the document: never saved
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Protocol
 
 import numpy as np
@@ -39,12 +42,16 @@ class NodeColumns:
     """Nodes. `local` is (translation, rotation, scale, matrix or None) in one: where the linear part is a matrix that
     no rotation and scale can say, setting a part of it and taking that back must bring the matrix back."""
 
-    def __init__(self, nodes: Any) -> None:
-        self._nodes = nodes
+    def __init__(self, nodes: Any, scene: Any = None) -> None:
+        self._nodes, self._scene = nodes, scene
 
     def read(self, column: str, rows: Sequence[int]) -> tuple[Any, ...]:
         if column == "local":
             return tuple(self._local(row) for row in rows)
+        if column == "weights":
+            return tuple(plain(self._scene.morphs.of_node(row)) for row in rows)
+        if column == "skinning":
+            return tuple(self._scene.skins.method(int(self._scene.skins.of_nodes(np.array([r]))[0])) for r in rows)
         values = getattr(self._nodes, column)
         return tuple(plain(values[row]) for row in rows)
 
@@ -54,6 +61,14 @@ class NodeColumns:
                 self._nodes.set_trs([row], [translation], [rotation], [scale])
                 if matrix is not None:
                     self._nodes.set_matrix(row, np.array(matrix))
+            return
+        if column == "weights":
+            for row, value in zip(rows, values, strict=True):
+                self._scene.morphs.set_node(row, value)
+            return
+        if column == "skinning":
+            for row, value in zip(rows, values, strict=True):
+                self._scene.skins.set_method(int(self._scene.skins.of_nodes(np.array([row]))[0]), value)
             return
         if column == "name":
             for row, value in zip(rows, values, strict=True):
@@ -67,6 +82,36 @@ class NodeColumns:
         nodes = self._nodes
         matrix = plain(nodes.local_matrix(row)) if nodes.has_matrix[row] else None
         return plain(nodes.translation[row]), plain(nodes.rotation[row]), plain(nodes.scale[row]), matrix
+
+
+class AnimationTable:
+    """The open animation file, row 0: `text` ("" for none), `drive` (clips | timeline | states), and whether
+    `root_motion` carries the character."""
+
+    def __init__(self, runtime: Any) -> None:
+        self._runtime = runtime
+
+    def read(self, column: str, rows: Sequence[int]) -> tuple[Any, ...]:
+        animation = self._runtime.animation
+        if column == "text":
+            return tuple("" if animation is None else animation.text for _ in rows)
+        if column == "drive":
+            return tuple(self._runtime.drive for _ in rows)
+        return tuple(bool(self._runtime.deck.root_motion) for _ in rows)
+
+    def write(self, column: str, rows: Sequence[int], values: Sequence[Any]) -> None:
+        for value in values:
+            if column == "drive":
+                self._runtime.set_drive(value)
+            elif column == "root_motion":
+                self._runtime.deck.root_motion = bool(value)
+                self._runtime.pose_again()
+            elif value:
+                name = self._runtime.animation.file if self._runtime.animation is not None else "animation"
+                self._runtime.set_animation(value, name)
+            else:
+                self._runtime.set_drive("clips")
+                self._runtime.animation = None
 
 
 class AssetTable:
@@ -111,6 +156,22 @@ class MaterialTable:
             self._residency.set_material_param(row, column, value)
 
 
+class SettingsTable:
+    """The render settings of the viewport: one column for all that are set together, their values in one tuple."""
+
+    def __init__(self, settings: Callable[[], Any]) -> None:
+        self._settings = settings
+
+    def read(self, column: str, rows: Sequence[int]) -> tuple[Any, ...]:
+        now = self._settings()
+        return (tuple(plain(getattr(now, name)) for name in column.split(",")),)
+
+    def write(self, column: str, rows: Sequence[int], values: Sequence[Any]) -> None:
+        now = self._settings()
+        for name, value in zip(column.split(","), values[0], strict=True):
+            setattr(now, name, value)
+
+
 def material_values(residency: Any, material: int) -> dict[str, Any]:
     """All parameters of a material: what it sets, over its effect's defaults."""
     info = residency.material(material)
@@ -121,12 +182,13 @@ def tables_of(runtime: Runtime) -> dict[str, Table]:
     """Every editable table of an open runtime."""
     scene = runtime.scene
     return {
-        "nodes": NodeColumns(scene.nodes),
+        "nodes": NodeColumns(scene.nodes, scene),
         "lights": AssetTable(scene.lights),
         "cameras": AssetTable(scene.cameras),
         "materials": MaterialTable(runtime.residency),
         "environment": RecordTable(scene.environment),
         "look": RecordTable(scene.look),
+        **({"animation": AnimationTable(runtime)} if hasattr(runtime, "animation") else {}),
     }
 
 

@@ -18,3 +18,11 @@ class Ui:
     fonts: Fonts = field(default_factory=Fonts)
     pixel_scale: float = 1.0
     drawn: int = 0
+    #: in which frame the viewport was last drawn
+    viewport_at: int = -1
+
+    def keep_live(self) -> None:
+        """Where the viewport lies behind another panel: make its picture, if anything in it changed."""
+        image = self.session.image
+        if self.viewport_at < self.drawn - 1 and image.width:
+            image.update(self.session, image.width, image.height)

@@ -21,6 +21,20 @@ def text(value: str, color: Rgba = theme.TEXT) -> None:
     imgui.text_colored(imgui.ImVec4(*color), value)
 
 
+def flow(width: float, gap: float = 1.0) -> None:
+    """Go on in the line, `gap` em further, where `width` imgui units still fit into it; else in the next one."""
+    imgui.same_line(0, em(gap))
+    if imgui.get_content_region_avail().x < width:
+        imgui.new_line()
+
+
+def flow_text(value: str, color: Rgba = theme.TEXT, hint: str = "", *, gap: float = 1.0) -> None:
+    """Text that goes on in the line, or in the next one where it does not fit."""
+    flow(imgui.calc_text_size(value).x, gap)
+    text(value, color)
+    tooltip(hint)
+
+
 def tooltip(value: str) -> None:
     """For the item before: shown after a moment, wrapped."""
     if value and imgui.is_item_hovered(imgui.HoveredFlags_.for_tooltip | imgui.HoveredFlags_.delay_normal):

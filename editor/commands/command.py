@@ -5,6 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
+#: the table whose edits are undone as all are, but make no document differ from its file
+VIEW_TABLE = "settings"
+
 
 class Edit(Protocol):
     """What the history keeps: a Command, or another kind of change with the same surface."""
@@ -13,6 +16,8 @@ class Edit(Protocol):
     def target(self) -> tuple[str, str, tuple[int, ...]]: ...
     @property
     def changes(self) -> bool: ...
+    @property
+    def of_view(self) -> bool: ...
     def inverse(self) -> Edit: ...
     def followed_by(self, later: Any) -> Edit: ...
     def describe(self) -> str: ...
@@ -39,6 +44,11 @@ class Command:
     @property
     def changes(self) -> bool:
         return self.before != self.after
+
+    @property
+    def of_view(self) -> bool:
+        """Whether it changes how the document is seen, not the document: there is nothing to save."""
+        return self.table == VIEW_TABLE
 
     def inverse(self) -> Command:
         return replace(self, before=self.after, after=self.before)

@@ -117,7 +117,10 @@ class History:
     @property
     def dirty(self) -> bool:
         """Whether the document differs from what was last saved."""
-        return self._saved != len(self._done)
+        if self._saved is None:
+            return True
+        between = self._done[self._saved :] or self._undone[len(self._undone) - (self._saved - len(self._done)) :]
+        return self._saved != len(self._done) and not all(edit.of_view for edit in between)
 
     def mark_saved(self) -> None:
         self._settle()

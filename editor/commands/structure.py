@@ -40,6 +40,10 @@ class StructureCommand:
     def changes(self) -> bool:
         return self.patch.changes
 
+    @property
+    def of_view(self) -> bool:
+        return False
+
     def inverse(self) -> StructureCommand:
         return StructureCommand(self.patch.inverse(), self.selection[::-1], self.overrides[::-1], self.label)
 
@@ -146,32 +150,35 @@ def duplicate(document: Document, rows: Sequence[int]) -> None:
     """Copy nodes with everything below and on them, beside the originals, and select the copies.
 
     A copy of a skinned mesh hangs on the same joints, and so moves with the original."""
+    what = _what(document, rows)
+    change(document, f"Duplicate {what}", lambda: copy_nodes(document, tops(document, rows)))
+
+
+def copy_nodes(document: Document, heads: Sequence[int]) -> list[int]:
+    """Copy `heads`, none of them below another, with everything below and on them; returns the copies' rows.
+
+    Changes the scene without a trace in the history: for use within `change`."""
     scene = document.runtime.scene
-
-    def make() -> list[int]:
-        nodes = scene.nodes
-        heads = tops(document, rows)
-        olds = [old for top in heads for old in document.subtree(top)]
-        index = {old: i for i, old in enumerate(olds)}
-        head, taken = set(heads), set(nodes.name)
-        names, outside, inside = [], [], []
-        for old in olds:
-            parent = int(nodes.parent[old])
-            name = nodes.name[old]
-            if old in head:
-                name = unique_name(name, taken)
-                taken.add(name)
-            names.append(name)
-            inside.append(-1 if old in head else index[parent])
-            outside.append(parent if old in head else -1)
-        news = nodes.add_many(
-            names, outside, nodes.translation[olds], nodes.rotation[olds], nodes.scale[olds], batch_parents=inside
-        )
-        nodes.set_visible(news, nodes.visible[olds])
-        _copy_contents(scene, np.array(olds), news)
-        return [int(news[index[top]]) for top in heads]
-
-    change(document, f"Duplicate {_what(document, rows)}", make)
+    nodes = scene.nodes
+    olds = [old for top in heads for old in document.subtree(top)]
+    index = {old: i for i, old in enumerate(olds)}
+    head, taken = set(heads), set(nodes.name)
+    names, outside, inside = [], [], []
+    for old in olds:
+        parent = int(nodes.parent[old])
+        name = nodes.name[old]
+        if old in head:
+            name = unique_name(name, taken)
+            taken.add(name)
+        names.append(name)
+        inside.append(-1 if old in head else index[parent])
+        outside.append(parent if old in head else -1)
+    news = nodes.add_many(
+        names, outside, nodes.translation[olds], nodes.rotation[olds], nodes.scale[olds], batch_parents=inside
+    )
+    nodes.set_visible(news, nodes.visible[olds])
+    _copy_contents(scene, np.array(olds), news)
+    return [int(news[index[top]]) for top in heads]
 
 
 def _copy_contents(scene: Any, olds: NDArray[np.int64], news: NDArray[np.int64]) -> None:
@@ -190,6 +197,10 @@ def _copy_contents(scene: Any, olds: NDArray[np.int64], news: NDArray[np.int64])
             new_of[table.node[rows]], table.mesh[rows], table.submesh[rows], table.material[rows],
             table.bounds_center[rows], table.bounds_radius[rows], table.visible[rows],
         )  # fmt: skip
+    for row in scene.morphs.living[new_of[scene.morphs.node[scene.morphs.living]] >= 0].tolist():
+        part = slice(int(scene.morphs.first[row]), int(scene.morphs.first[row] + scene.morphs.count[row]))
+        names, reach = scene.morphs.names[row], scene.morphs.reach[part].copy()
+        scene.morphs.add(int(new_of[scene.morphs.node[row]]), names, reach, scene.morphs.weights[part].copy())
     for kind in (scene.lights, scene.cameras):
         for row in np.flatnonzero(kind.alive & (new_of[kind.node] >= 0)).tolist():
             kind.add(int(new_of[kind.node[row]]), kind.asset(row))
@@ -199,7 +210,8 @@ def _copy_contents(scene: Any, olds: NDArray[np.int64], news: NDArray[np.int64])
         bind = np.concatenate(
             [skins.inverse_bind[part], np.broadcast_to([[0.0, 0.0, 0.0, 1.0]], (count, 1, 4))], axis=1
         )
-        skins.add(int(new_of[skins.node[skin]]), skins.joint[part], bind, skins.reach[part])
+        made = skins.add(int(new_of[skins.node[skin]]), skins.joint[part], bind, skins.reach[part])
+        skins.set_method(made, skins.method(skin))
 
 
 def group(document: Document, rows: Sequence[int]) -> None:

@@ -1,7 +1,9 @@
-"""Frame graph: the passes of the last frame as boxes, their textures as lines, what was left out and why in grey."""
+"""Frame graph: the passes of the last frame as boxes, their textures as lines; in grey what was left out, why, and what
+it would cost."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, ClassVar
 
 from imgui_bundle import imgui
@@ -9,19 +11,23 @@ from imgui_bundle import imgui
 from editor import icons, theme
 from editor.graph_layout import Box, Diagram, Edge, diagram
 from editor.panels.base import Panel
+from editor.panels.timings import UNACCOUNTED, time_rows
 from editor.ui import Ui
-from editor.widgets import em, empty_state, fitted, icon_button, text, tooltip
+from editor.widgets import em, empty_state, fitted, flow_text, pretty, text, tooltip
+from editor.work import ForcedCost, MeasureLeftOut
 from engine.framegraph.dump import extent
 from engine.framegraph.resources import human_bytes, texture_bytes
 
-BOX, GAP = (9.6, 2.9), (5.2, 0.9)
+BOX, GAP = (11.0, 2.9), (4.6, 0.9)
+#: a box of what is left out has a line more: what it would cost
+TALL = 3.95
 CURVE = 0.45
 
 
 class FrameGraphPanel(Panel):
     title: ClassVar[str] = "Frame graph"
     icon: ClassVar[str] = icons.GRAPH
-    dock: ClassVar[str] = "Bottom"
+    dock: ClassVar[str] = "MainDockSpace"
 
     def __init__(self) -> None:
         self._plan: object = None
@@ -30,6 +36,7 @@ class FrameGraphPanel(Panel):
         self.hovered = -1
 
     def draw(self, ui: Ui) -> None:
+        ui.keep_live()
         frame = ui.session.image.frame
         plan = getattr(getattr(frame, "graph", None), "plan", None)
         if frame is None or plan is None:
@@ -37,28 +44,79 @@ class FrameGraphPanel(Panel):
             return
         if plan is not self._plan:
             self._plan, self.diagram = plan, diagram(plan.declarations, plan.left_out)
-        self._summary(ui, frame.graph)
+        cost = ui.session.forced_cost
+        self._summary(ui, frame)
+        self._measured(ui, cost if cost is not None and cost.plan is plan else None)
         if imgui.begin_child("canvas", (0, 0), 0, imgui.WindowFlags_.horizontal_scrollbar):
-            self._canvas(ui, frame, plan)
+            self._canvas(frame, plan, cost.passes if cost is not None and cost.plan is plan else {})
         imgui.end_child()
 
-    def _summary(self, ui: Ui, graph: Any) -> None:
-        plan = graph.plan
+    def _summary(self, ui: Ui, frame: Any) -> None:
+        graph, plan, stats = frame.graph, frame.graph.plan, frame.stats
         saved = sum(b.saved for b in self.diagram.boxes)
         text(f"{len(plan.passes)} of {len(plan.passes) + len(plan.left_out)} passes run", theme.TEXT)
-        imgui.same_line(0, em(1))
-        text(f"{human_bytes(graph.transient_bytes)} of shared textures", theme.DIM)
-        tooltip(f"{human_bytes(graph.unaliased_bytes)} if each had memory of its own")
+        tooltip("Grey below: what this scene does not need, why not, and what that saves")
+        line = f"{human_bytes(graph.transient_bytes)} of shared textures"
+        flow_text(line, theme.DIM, f"{human_bytes(graph.unaliased_bytes)} if each had memory of its own")
         if saved:
-            imgui.same_line(0, em(1))
-            text(f"{human_bytes(saved)} not made", theme.GOOD)
-            tooltip("Textures of the passes that this scene does not need")
-        imgui.same_line(0, em(1))
-        if icon_button(f"{icons.COPY}##copy-graph", "Copy as text"):
-            ui.session.ui.copy_text = graph.dump()
-            ui.session.ui.notice = "Copied the frame graph"
+            flow_text(
+                f"{human_bytes(saved)} not made", theme.GOOD, "Textures of the passes that this scene does not need"
+            )
+        rest = time_rows(stats)[-1]
+        flow_text(
+            f"{stats.total_ms:.2f} ms, {rest.ms:.2f} {UNACCOUNTED}", theme.DIM,
+            "What no pass and no stage accounts for: submitting, waiting, reading back",
+        )  # fmt: skip
+        runtime = ui.session.document.runtime if ui.session.document is not None else None
+        renderer = getattr(runtime, "renderer", None)
+        choice, held = getattr(renderer, "path", None), getattr(renderer, "hysteresis", None)
+        if choice is not None:
+            flow_text(f"path {choice.path}", theme.DIM, f"How local lights reach the surfaces: {choice.reason}")
+        if held is not None and held.held:
+            flow_text(
+                f"kept on: {', '.join(pretty(n).lower() for n in held.held)}", theme.WARNING,
+                f"Not needed now, but it comes and goes: it stays until it was not needed for {held.hold} frames",
+            )  # fmt: skip
 
-    def _canvas(self, ui: Ui, frame: Any, plan: Any) -> None:
+    def _measured(self, ui: Ui, cost: ForcedCost | None) -> None:
+        """The line about what is left out: the button, the progress, the outcome."""
+        session = ui.session
+        if isinstance(session.work, MeasureLeftOut):
+            imgui.progress_bar(session.work.progress, (em(12), 0), "")
+            imgui.same_line(0, em(0.6))
+            text(session.work.text, theme.DIM)
+            imgui.same_line(0, em(0.6))
+            if imgui.small_button("Cancel##measure"):
+                ui.operations.run("view.cancel-work", session)
+            return
+        if imgui.small_button(f"{icons.COPY}##copy-graph"):
+            session.ui.copy_text = session.image.frame.graph.dump()
+            session.ui.notice = "Copied the frame graph"
+        tooltip("Copy as text")
+        imgui.same_line(0, em(0.4))
+        imgui.begin_disabled(session.work is not None)
+        if imgui.small_button(f"{icons.TIMER}  Measure what is left out"):
+            ui.operations.run("view.measure-left-out", session)
+        imgui.end_disabled()
+        tooltip("Draws some frames with nothing left out, and as many as it is, and compares")
+        if cost is None:
+            return
+        gain = cost.forced_ms - cost.pruned_ms
+        flow_text(
+            f"{cost.pruned_ms:.2f} ms, with everything {cost.forced_ms:.2f} ms", theme.TEXT,
+            f"Medians of {cost.frames} frames each", gap=0.8,
+        )  # fmt: skip
+        share = abs(gain) / max(cost.forced_ms, 1e-9)
+        if gain > cost.noise_ms:
+            flow_text(
+                f"leaving out saves {gain:.2f} ms ({share:.0%})", theme.GOOD, f"± {cost.noise_ms:.2f} ms", gap=0.5
+            )
+        else:
+            flow_text(
+                "what it saves is within the noise", theme.DIM, f"{gain:+.2f} ms, ± {cost.noise_ms:.2f} ms", gap=0.5
+            )
+
+    def _canvas(self, frame: Any, plan: Any, costs: Mapping[str, float]) -> None:
         origin = imgui.get_cursor_screen_pos()
         lines = imgui.get_window_draw_list()
         drawing = self.diagram
@@ -74,20 +132,28 @@ class FrameGraphPanel(Panel):
             imgui.invisible_button(f"##pass-{box.name}", (rect[2] - rect[0], rect[3] - rect[1]))
             if imgui.is_item_hovered():
                 hovered = i
-                self._tooltip(box, plan, times)
-            self._box(lines, box, rect, times.get(box.name), longest, bright=i == self.hovered)
+                self._tooltip(box, plan, costs if box.reason else times)
+            self._box(
+                lines, box, rect, times.get(box.name), longest, bright=i == self.hovered, cost=costs.get(box.name)
+            )
         self.hovered = hovered
         imgui.set_cursor_screen_pos(origin)
-        imgui.dummy((em(drawing.columns * (BOX[0] + GAP[0])), em(drawing.rows * (BOX[1] + GAP[1]) + 0.6)))
+        below = (drawing.rows - drawing.rows_running) * (TALL + GAP[1])
+        height = drawing.rows_running * (BOX[1] + GAP[1]) + below + 1.4
+        imgui.dummy((em(drawing.columns * (BOX[0] + GAP[0])), em(height)))
 
     def _rect(self, origin: Any, box: Box) -> tuple[float, float, float, float]:
         x = origin.x + em(0.4 + box.column * (BOX[0] + GAP[0]))
-        y = origin.y + em(0.4 + box.row * (BOX[1] + GAP[1]) + (0.8 if box.reason else 0.0))
+        top = self.diagram.rows_running * (BOX[1] + GAP[1])
+        if box.reason:  # below all that run, and taller
+            y = origin.y + em(1.2 + top + (box.row - self.diagram.rows_running) * (TALL + GAP[1]))
+            return x, y, x + em(BOX[0]), y + em(TALL)
+        y = origin.y + em(0.4 + box.row * (BOX[1] + GAP[1]))
         return x, y, x + em(BOX[0]), y + em(BOX[1])
 
     def _box(
         self, lines: Any, box: Box, rect: tuple[float, float, float, float], ms: float | None, longest: float,
-        *, bright: bool,
+        *, bright: bool, cost: float | None = None,
     ) -> None:  # fmt: skip
         x0, y0, x1, y1 = rect
         out = bool(box.reason)
@@ -105,6 +171,14 @@ class FrameGraphPanel(Panel):
         lines.add_text(
             (x0 + em(0.45), y0 + em(1.45)), theme.u32(theme.FAINT if out else theme.DIM), fitted(below, room)
         )
+        if out:
+            parts = [f"{cost:.2f} ms"] if cost is not None else []
+            parts += [human_bytes(box.saved)] if box.saved else []
+            line = f"saves {', '.join(parts)}" if parts else "saves no texture"
+            line = line if imgui.calc_text_size(line).x <= room else line.removeprefix("saves ")
+            lines.add_text(
+                (x0 + em(0.45), y0 + em(2.55)), theme.u32(theme.GOOD if parts else theme.FAINT), fitted(line, room)
+            )
 
     def _edge(self, lines: Any, edge: Edge, rects: list[Any], plan: Any, *, bright: bool) -> None:
         a, b = rects[edge.start], rects[edge.end]
@@ -122,12 +196,17 @@ class FrameGraphPanel(Panel):
             y = 0.5 * (start[1] + end[1]) - size.y - em(0.1)
             lines.add_text((x, y), theme.u32(theme.TEXT if bright else theme.DIM), label)
 
-    def _tooltip(self, box: Box, plan: Any, times: dict[str, float]) -> None:
+    def _tooltip(self, box: Box, plan: Any, times: Mapping[str, float]) -> None:
         imgui.begin_tooltip()
         imgui.text_unformatted(box.name)
         if box.reason:
             text(f"Left out: {box.reason}", theme.DIM)
             text(f"Saves {human_bytes(box.saved)} of textures", theme.GOOD)
+            known = box.name in times
+            text(
+                f"It would cost {times[box.name]:.3f} ms, measured with everything forced" if known
+                else "What it would cost in time is not measured yet", theme.GOOD if known else theme.FAINT,
+            )  # fmt: skip
         else:
             declaration = next(d for d in plan.declarations if d.name == box.name)
             if box.name in times:

@@ -12,7 +12,9 @@ from imgui_bundle import imgui
 from editor import icons, theme
 from editor.document import Document
 from editor.panels.base import Panel
-from editor.panels.inspector_fields import CAMERA, LIGHT, LIGHT_TYPES, LOOK, SLOW_OF_SKY, SPOT, environment_fields
+from editor.panels.inspector_deforming import draw_deforming
+from editor.panels.inspector_fields import CAMERA, LOOK, SLOW_OF_SKY, environment_fields
+from editor.panels.inspector_light import LightEditor
 from editor.panels.inspector_material import draw_material
 from editor.param_widgets import param_row
 from editor.rotation import euler_from_quaternion, quaternion_from_euler
@@ -32,6 +34,7 @@ class InspectorPanel(Panel):
         #: the angles shown, kept while they still mean the node's rotation: many triples mean the same one
         #: and values shown but not applied yet, see SLOW_OF_SKY
         self._pending: dict[tuple[str, str, int], Any] = {}
+        self._lights = LightEditor()
         self._euler: dict[int, tuple[tuple[float, ...], tuple[float, float, float]]] = {}
 
     def draw(self, ui: Ui) -> None:
@@ -66,8 +69,9 @@ class InspectorPanel(Panel):
         instances = np.flatnonzero(np.asarray(scene.instances.node) == row)
         if len(instances):
             self._mesh(ui, document, instances)
+        draw_deforming(ui, document, row)
         for light in np.flatnonzero(np.asarray(scene.lights.node) == row):
-            self._light(ui, document, int(light))
+            self._lights.draw(ui, document, int(light))
         for camera in np.flatnonzero(np.asarray(scene.cameras.node) == row):
             if section(ui, f"{icons.CAMERA}  Camera"):
                 self._fields(ui, document, "cameras", int(camera), CAMERA)
@@ -153,17 +157,6 @@ class InspectorPanel(Panel):
                 property_text("Streams", ", ".join(mesh.layout))
                 property_text("Size", " × ".join(f"{v:.3g}" for v in high - low) + " m", "World box, with children")
         imgui.spacing()
-
-    def _light(self, ui: Ui, document: Document, light: int) -> None:
-        kind = int(document.runtime.scene.lights.type[light])
-        if section(ui, f"{icons.LIGHT}  {LIGHT_TYPES[kind]} light"):
-            fields = (*LIGHT, *SPOT) if kind == 2 else LIGHT
-            table = document.runtime.scene.lights
-            more = [
-                int(r) for r in np.flatnonzero(table.alive & np.isin(table.node, document.selection)) if int(r) != light
-            ]  # all selected lights get what is edited of the last one
-            shown = tuple(f for f in fields if kind != 0 or f.name != "range")
-            self._fields(ui, document, "lights", light, shown, more)
 
     def _scene(self, ui: Ui, document: Document) -> None:
         scene = document.runtime.scene

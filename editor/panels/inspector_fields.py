@@ -1,4 +1,4 @@
-"""The fields of lights, cameras, environment and look as parameters, so that they get widgets like any other.
+"""The fields of cameras, environment and look as parameters, so that they get widgets like any other.
 
 Angles are radians here (unit `rad`) and degrees in the window."""
 
@@ -7,21 +7,10 @@ from __future__ import annotations
 import dataclasses
 import math
 
-from engine.assets.scene import CameraAsset, EnvironmentAsset, LightAsset, LookAsset
+from engine.assets.scene import CameraAsset, EnvironmentAsset, LookAsset
 from engine.core.param import Param
 
 _PI = math.pi
-LIGHT_TYPES = ("Directional", "Point", "Spot")
-
-LIGHT: tuple[Param, ...] = (
-    Param("color", "color3", (1.0, 1.0, 1.0), 0.0, 1.0, doc="Scene-linear Rec.709"),
-    Param("intensity", "float", 1.0, 0.0, doc="Lux for a directional light, candela for the others"),
-    Param("range", "float", 0.0, 0.0, unit="m", doc="Where the light ends; 0 = never"),
-)
-SPOT: tuple[Param, ...] = (
-    Param("inner_angle", "float", 0.0, 0.0, _PI / 2, unit="rad", doc="Half angle of the full brightness"),
-    Param("outer_angle", "float", _PI / 4, 0.0, _PI / 2, unit="rad", doc="Half angle where the light ends"),
-)
 CAMERA: tuple[Param, ...] = (
     Param("yfov", "float", _PI / 4, 0.01, 3.1, unit="rad", doc="Vertical field of view"),
     Param("znear", "float", 0.05, 1e-6, unit="m", doc="Nothing nearer is shown"),
@@ -52,7 +41,6 @@ def _with_defaults(fields: tuple[Param, ...], record: object) -> tuple[Param, ..
     return tuple(dataclasses.replace(f, default=getattr(record, f.name)) for f in fields)
 
 
-LIGHT, SPOT = _with_defaults(LIGHT, LightAsset()), _with_defaults(SPOT, LightAsset())
 CAMERA = _with_defaults(CAMERA, CameraAsset())
 ENVIRONMENT, LOOK = _with_defaults(ENVIRONMENT, EnvironmentAsset()), _with_defaults(LOOK, LookAsset())
 

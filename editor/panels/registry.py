@@ -7,8 +7,10 @@ import importlib
 from editor.panels.base import Panel
 
 PANELS = (
-    "scene_tree", "assets", "viewport", "inspector", "render_settings", "log", "timings", "variants", "shader_editor",
-    "history", "frame_graph", "texture_viewer", "console",
+    "scene_tree", "assets", "viewport", "inspector", "lights", "render_settings", "log", "timings", "variants",
+    "shader_editor",
+    "animation_timeline", "state_graph", "blend_space", "bone_masks", "history", "frame_graph", "texture_viewer",
+    "report", "numbers", "console",
 )  # fmt: skip
 
 

@@ -14,11 +14,14 @@ from editor import icons, theme
 from editor.panels.base import Panel
 from editor.texture_view import CHANNELS, as_float, overwritten, picture, value_range
 from editor.ui import Ui
-from editor.widgets import em, empty_state, icon_button, mono, text, tooltip
+from editor.widgets import em, empty_state, fitted, icon_button, mono, text, tooltip
 from engine.core.errors import LucarnaError
 from engine.framegraph.dump import extent
 from engine.framegraph.resources import human_bytes, texture_bytes
 from engine.gpu.types import TextureDesc
+
+#: screen pixels a texel when one is to be shown
+PIXEL_ZOOM = 16.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,6 +57,10 @@ class TextureViewerPanel(Panel):
         self._shown_key: object = None
         self._texture: Any = None
         self._owner: object = None
+        #: the texel that was asked for: x, y of the level; None when another source was chosen
+        self.marked: tuple[int, int] | None = None
+        self._note = ""
+        self._scroll = False
 
     def draw(self, ui: Ui) -> None:
         session = ui.session
@@ -68,12 +75,27 @@ class TextureViewerPanel(Panel):
             targets = [s for s in sources if s.kind == "target" and not s.lost]
             self.source = targets[-1] if targets else sources[0]
             self._reset()
+        self._go(ui, sources)
         self._bar(ui, sources)
         self._read(ui)
         if self.problem or self.values is None:
             empty_state(icons.WARNING, self.problem or "Nothing to show")
             return
         self._picture(ui)
+
+    def _go(self, ui: Ui, sources: list[Source]) -> None:
+        """Take over the texel that someone wants to be shown."""
+        wanted = ui.session.ui.show_pixel
+        if wanted is None:
+            return
+        ui.session.ui.show_pixel = None
+        found = next((s for s in sources if s.kind == "target" and s.name == wanted.resource), None)
+        if found is None:
+            return
+        self.source = found
+        self._reset()
+        self.level, self.layer, self.marked, self._note = wanted.level, wanted.layer, (wanted.x, wanted.y), wanted.note
+        self.zoom, self._scroll = PIXEL_ZOOM, True
 
     def _bar(self, ui: Ui, sources: list[Source]) -> None:
         assert self.source is not None
@@ -153,6 +175,14 @@ class TextureViewerPanel(Panel):
                 imgui.image(imgui.ImTextureRef(self._texture.native), (width * zoom, height * zoom))
             else:
                 imgui.dummy((width * zoom, height * zoom))
+            if self.marked is not None:
+                a, b = start.x + self.marked[0] * zoom, start.y + self.marked[1] * zoom
+                size = max(zoom, 6.0)
+                imgui.get_window_draw_list().add_rect((a, b), (a + size, b + size), theme.u32(theme.ERROR), 0.0, 2.0)
+                if self._scroll:
+                    self._scroll = False
+                    imgui.set_scroll_x(max(0.0, (self.marked[0] + 0.5) * zoom - 0.5 * space.x))
+                    imgui.set_scroll_y(max(0.0, (self.marked[1] + 0.5) * zoom - 0.5 * space.y))
             io = imgui.get_io()
             where = None
             if imgui.is_item_hovered():
@@ -171,12 +201,17 @@ class TextureViewerPanel(Panel):
         desc = self._desc
         assert desc is not None and self.values is not None  # noqa: PT018  (both are set together by _read)
         with mono(ui):
+            where = where or self._inside()
             if where is not None:
                 pixel = self.values[where[1], where[0]]
                 numbers = "  ".join(f"{n} {v:.5g}" for n, v in zip("RGBA", pixel, strict=False))
                 text(f"{where[0]:5d} {where[1]:5d}   {numbers}", theme.TEXT)
             else:
                 text(f"{desc.format}  {extent(desc)}  {human_bytes(texture_bytes(desc))}", theme.DIM)
+        if self._note:
+            imgui.same_line(0, em(1))
+            text(fitted(self._note, imgui.get_window_width() - em(10) - imgui.get_cursor_pos_x()), theme.WARNING)
+            tooltip(self._note)
         imgui.same_line(imgui.get_window_width() - em(8))
         if imgui.small_button("Fit"):
             self.zoom = 0.0
@@ -186,6 +221,13 @@ class TextureViewerPanel(Panel):
         imgui.same_line(0, em(0.5))
         text(f"{zoom * 100:.0f} %", theme.FAINT)
         tooltip("Ctrl + wheel over the picture zooms")
+
+    def _inside(self) -> tuple[int, int] | None:
+        """The marked texel, where the level has it."""
+        if self.marked is None or self.values is None:
+            return None
+        height, width = self.values.shape[:2]
+        return self.marked if self.marked[0] < width and self.marked[1] < height else None
 
     def _upload(self, ui: Ui) -> None:
         """Bring what is to be seen into a texture of our own."""
@@ -208,6 +250,7 @@ class TextureViewerPanel(Panel):
     def _reset(self) -> None:
         self.level = self.layer = 0
         self.stops, self.low, self.high, self.zoom = 0.0, 0.0, 1.0, 0.0
+        self.marked, self._note, self._scroll = None, "", False
 
 
 def list_sources(session: Any) -> list[Source]:

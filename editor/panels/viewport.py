@@ -7,7 +7,7 @@ from typing import ClassVar
 
 from imgui_bundle import imgui
 
-from editor import axis_widget, camera_controls, icons, markers, overlay, theme
+from editor import axis_widget, camera_controls, icons, light_outlines, markers, overlay, skeleton_overlay, theme
 from editor.camera_controls import OrbitCamera
 from editor.gizmo_widget import GizmoWidget
 from editor.navigation import WHEEL, motion_for
@@ -40,6 +40,8 @@ class ViewportPanel(Panel):
         self.gizmo = GizmoWidget()
         #: node row of the light or camera whose sign is under the pointer, or -1
         self.marker = self._pressed = -1
+        #: node row of the bone under the pointer, or -1
+        self.bone = -1
         #: the picture in the window: x, y, width, height, imgui units
         self.area = (0.0, 0.0, 1.0, 1.0)
         #: where a drag began, imgui units
@@ -64,6 +66,7 @@ class ViewportPanel(Panel):
         session = ui.session
         origin = imgui.get_cursor_screen_pos()
         self.area = (origin.x, origin.y, width, height)
+        ui.viewport_at = ui.drawn
         scale = ui.pixel_scale * session.image.resolution(session)
         frame = session.image.update(session, round(width * scale), round(height * scale))
         if self.gizmo.busy and not self.motion:  # its handles want a press that no other item takes
@@ -100,6 +103,8 @@ class ViewportPanel(Panel):
         if session.preferences.show_outline:
             for row in document.selection[-16:]:
                 overlay.draw_box(session.camera, *document.bounds((row,)), (x, y), width, height)
+        self.bone = skeleton_overlay.draw(session, (x, y), width, height, hoverable)
+        light_outlines.draw(session, (x, y), width, height)
         self.marker = markers.draw(document, session.camera, (x, y), width, height, hoverable=hoverable)
         overlay.draw_measure(session.camera, session.tools, (x, y), width, height)
         over_axes = False
@@ -170,6 +175,8 @@ class ViewportPanel(Panel):
             session.measure(u, v)
         elif io.key_alt:
             session.pick_through(u, v)
+        elif self.bone >= 0 and skeleton_overlay.pick(session, self.bone):
+            pass
         elif self._pressed >= 0 and session.document is not None:
             session.document.select(self._pressed, toggle=bool(io.key_ctrl))
         else:

@@ -11,6 +11,7 @@ from editor.param_widgets import filled_slider
 from editor.ui import Ui
 from editor.widgets import em, icon_button, pretty, text, tooltip
 from engine.core.param import Param, ParamBlock
+from engine.render.settings import VIEW_LEGENDS
 
 #: (setting, icon, width in em); those a build's settings do not have are left out
 CONTROLS = (
@@ -18,6 +19,7 @@ CONTROLS = (
     ("exposure", icons.EXPOSURE, 5.0),
     ("tone_map", icons.LOOK, 7.5),
     ("view", icons.VISIBLE, 7.0),
+    ("path", icons.LIGHT, 7.5),
 )
 #: (operation, icon)
 TOOLS = (
@@ -35,6 +37,8 @@ def draw(ui: Ui) -> None:
     for name, icon, width in CONTROLS:
         if name in known and imgui.get_content_region_avail().x > em(width + 2):
             _control(settings, known[name], icon, em(width))
+            if name == "path" and ui.session.image.frame is not None:
+                tooltip(f"Now: {pretty(ui.session.image.frame.path.path)}\n{ui.session.image.frame.path.reason}")
             imgui.same_line(0, em(0.9))
     _cost(ui)
 
@@ -74,7 +78,8 @@ def _control(settings: ParamBlock, param: Param, icon: str, width: float) -> Non
         changed, new = imgui.drag_float(f"##{param.name}", value, 0.02, param.min, param.max, "%+.2f EV")
         if changed:
             setattr(settings, param.name, min(max(float(new), param.min), param.max))
-    tooltip(f"{pretty(param.name)}: {param.doc}")
+    legend = VIEW_LEGENDS.get(value, "") if param.name == "view" else ""
+    tooltip(f"{pretty(param.name)}: {legend or param.doc}")
 
 
 def _choice(param: Param, choice: str) -> str:

@@ -12,7 +12,11 @@
                                                                                        │
                                              NodeTable columns <─ Animator.write ──────┘
 
+    tracks of the same file ─ sequence.Sequence: a pure function of time ─> poses, way, markers' times
+    transport: a playhead over seconds, in and out points, markers passed once each
+
     ClipAsset ─ compress (key_reduction, 16 bits) ─> PackedClip, within an error stated in metres at the skin
+    weights channels ─ morph.WeightPlayer ─> MorphTable
     pose, skinning, morph: nodes, clip, time -> meshes in world space on the CPU, for export and as truth
 
 No Python loop runs over characters, nodes or channels in a frame: only over clips, states and layers.

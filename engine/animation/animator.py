@@ -49,6 +49,8 @@ class Animator:
         self.marker_names = graph.marker_names
         self._base = np.zeros_like(self.poses) if graph.layers else self.poses
         self._held: F8 | None = None
+        #: what the last update blended, layers apart
+        self.heard = mixing.voices([], np.zeros(0), np.zeros(0))
         self._mixer = mixing.Mixer(graph.clips, graph.rig.rest, self.ways)
         self._markers = self._marker_phases()
         self.update(0.0)
@@ -81,6 +83,32 @@ class Animator:
         self.machine.heads.mode[where] = Playheads(1, self.graph.states[number].mode).mode[0]
         self.machine.heads.seek(0.0, where)
 
+    def adopt(self, other: Animator) -> None:
+        """Go on where `other`, of an earlier version of the graph, is: parameters, states and layers by their names;
+        what is no longer there begins anew. Both have as many characters. Raises InputError otherwise."""
+        if len(other) != len(self):
+            raise InputError(f"{len(other)} characters go on as {len(self)}")
+        for number, param in enumerate(other.graph.params):
+            if param.name in [p.name for p in self.graph.params]:
+                self.machine.values[self.machine.param(param.name)] = other.machine.values[number]
+        names = {s.name: i for i, s in enumerate(self.graph.states)}
+        for number, state in enumerate(other.graph.states):
+            who = np.flatnonzero(other.machine.state == number)
+            if state.name in names and len(who):
+                self.enter(state.name, who)
+                mode = self.machine.heads.mode.copy()
+                self.machine.heads.copy_from(other.machine.heads, who)
+                self.machine.heads.mode[who] = mode[who]
+        heads = {layer.name: h for layer, h in zip(other.graph.layers, other.layer_heads, strict=True)}
+        everyone = np.arange(len(self))
+        for layer, mine in zip(self.graph.layers, self.layer_heads, strict=True):
+            if layer.name in heads:
+                mode = mine.mode.copy()
+                mine.copy_from(heads[layer.name], everyone)
+                mine.mode[:] = mode
+        self.speed[:], self.travel[:] = other.speed, other.travel
+        self.update(0.0)
+
     # -- time ---------------------------------------------------------------------------------------------------------
 
     def update(self, dt: float, awake: ArrayLike | None = None) -> Fired:
@@ -109,6 +137,7 @@ class Animator:
             mixing.voices(mixes, machine.heads.fraction, level),
             mixing.voices(source_mixes, machine.source_heads.fraction, fading),
         )
+        self.heard = heard
         frozen = np.where(machine.source == FROZEN, fading, 0.0)
         if len(who):
             self._mixer.pose(heard, who, self._base, self._held, frozen)

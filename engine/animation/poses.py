@@ -100,6 +100,28 @@ def nlerp(a: F8, b: F8, fraction: F8) -> F8:
     return unit((1.0 - fraction) * a + (fraction * sign) * b, heavier)
 
 
+#: the angle in 4-space up to which `bent_nlerp` is within 1e-6 rad of slerp
+BENT_LIMIT = 0.21
+
+
+def bent_nlerp(a: F8, b: F8, bend: F8, fraction: F8) -> F8:
+    """From unit `a` to unit `b` [4,...] on the same side, at nearly constant speed; overwrites both.
+
+    Slerp is nlerp at s = sin(t x) / (sin(t x) + sin((1-t) x)) for the angle x between them; to second order in x that
+    is s = t + x^2/3 t (t - 1/2) (t - 1). `bend` is x^2 / 3. No sines: half the time of slerp, and off by x^5 only.
+    """
+    s = fraction + bend * (fraction * (fraction - 0.5) * (fraction - 1.0))
+    b -= a
+    b *= s
+    b += a
+    length = b[0] * b[0]
+    for i in range(1, 4):
+        length += b[i] * b[i]
+    np.sqrt(length, out=length)
+    b /= length
+    return b
+
+
 def power(q: F8, exponent: F8) -> F8:
     """`q` [4,...] turned `exponent` times as far about its axis, the shorter way; negative exponents turn back."""
     q = np.where(q[3] < 0.0, -q, q)

@@ -21,7 +21,8 @@ I8 = NDArray[np.int64]
 @dataclass(frozen=True, slots=True, eq=False)
 class _Group:
     """Channels of one path and interpolation whose keys stand at the same times, `values` f8[w,keys,k] (cubic:
-    f8[3,w,keys,k]). `theta` f8[keys-1,k]: the angle in 4-space of each segment of a linear rotation."""
+    f8[3,w,keys,k]). `theta` f8[keys-1,k]: the angle in 4-space of each segment of a linear rotation; `bend`: a third of
+    its square where all are small enough for `poses.bent_nlerp`, else None."""
 
     path: str
     interpolation: str
@@ -29,6 +30,7 @@ class _Group:
     times: F8
     values: F8
     theta: F8 | None
+    bend: F8 | None = None
 
 
 class ClipSampler:
@@ -96,6 +98,8 @@ def _evaluate(group: _Group, at: F8) -> F8:
         end *= u
         end += start
         return end
+    if group.bend is not None:
+        return poses.bent_nlerp(start, end, group.bend[key], u)
     weight_a, weight_b = poses.slerp_weights(group.theta[key], u)
     start *= weight_a
     end *= weight_b
@@ -165,4 +169,5 @@ def _finish(track: Track, channels: list[int], times: F8, values: F8) -> _Group:
         flips = np.where(poses.dot(values[:, 1:], values[:, :-1]) < 0.0, -1.0, 1.0)
         values[:, 1:] *= np.cumprod(flips, axis=0)
         theta = poses.angle_4d(values[:, :-1], values[:, 1:])
-    return _Group(track.path, interpolation, columns, times, np.ascontiguousarray(values), theta)
+    bend = theta * theta / 3.0 if theta is not None and float(theta.max(initial=0.0)) <= poses.BENT_LIMIT else None
+    return _Group(track.path, interpolation, columns, times, np.ascontiguousarray(values), theta, bend)

@@ -1,7 +1,10 @@
 """What a program made with the engine is: a project, a running scene, a picture. May import everything in the engine.
 
     project.py           a folder with project.toml, made from project_template/
+    sample_project.py    the same around a scene that code makes (atrium, poles)
     runtime.py           an opened scene: tables + residency + renderer + clips
+    clip_deck.py         what poses it: clips, a timeline, or states; animation.py: an open *.animation.toml
+    posed.py             vertices as they are drawn, on the CPU
     headless.py          a runtime rendered into an array, no window
     doctor.py            what this machine has and lacks
     system_libraries.py  the shared libraries of the system; standard library only, also read by packaging/

@@ -102,7 +102,8 @@ def scene_box(scene: Scene, residency: Residency) -> tuple[NDArray[np.float64], 
     # Arvo 1990, "Transforming Axis-Aligned Bounding Boxes": centre by the matrix, extent by its absolute values
     center = np.einsum("nij,nj->ni", world[:, :, :3], (low + high) / 2) + world[:, :, 3]
     extent = np.einsum("nij,nj->ni", np.abs(world[:, :, :3]), (high - low) / 2)
-    posed = scene.skins.of_nodes(table.node[rows]) >= 0
+    morph = scene.morphs.of_nodes(table.node[rows])
+    posed = (scene.skins.of_nodes(table.node[rows]) >= 0) | np.append(scene.morphs.active, False)[morph]
     center[posed] = table.world_center[rows[posed]]
     extent[posed] = table.world_radius[rows[posed], None]
     return (center - extent).min(axis=0), (center + extent).max(axis=0)

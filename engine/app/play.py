@@ -110,6 +110,7 @@ def play(open_scene: Any, *, size: tuple[int, int] = (1280, 720), title: str = "
         ) from error
     device = open_device("gl", attach=True)
     runtime = Runtime(device, profile=False, pixels=MANY_PICTURES)
+    runtime.sleepy = True
     shown = 0
     try:
         open_scene(runtime)

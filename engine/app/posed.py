@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.animation.morph import morphed
+from engine.animation.skinning import influences, transform_points, vertex_matrices_dual_quaternion
 from engine.resources.residency import Residency
 from engine.scene.scene import Scene
 
@@ -13,11 +15,14 @@ INFLUENCES = (("joints", "weights"), ("joints1", "weights1"))
 
 
 def posed_positions(scene: Scene, residency: Residency, instance: int) -> NDArray[np.float64]:
-    """f8[n,3], metres, world: all vertices of the instance's mesh, skinned (linear blend) where it has a skin."""
+    """f8[n,3], metres, world: all vertices of the instance's mesh, morphed and skinned as they are drawn."""
     table = scene.instances
     node = int(table.node[instance])
     mesh = residency.meshes[int(table.mesh[instance])].asset
     position = np.asarray(mesh.streams["position"], np.float64)
+    shape = scene.morphs.of_node(node)
+    if shape.any():
+        position = morphed(position, mesh.morphs, shape)
     skin = int(scene.skins.of_nodes(np.array([node]))[0])
     if skin < 0 or "joints" not in mesh.streams:
         world = scene.nodes.world[node]
@@ -27,6 +32,10 @@ def posed_positions(scene: Scene, residency: Residency, instance: int) -> NDArra
     world = skins.joint_world()[run]
     palette = world[:, :, :3] @ skins.inverse_bind[run]
     palette[:, :, 3] += world[:, :, 3]
+    if skins.dual[skin]:
+        whole = np.zeros((len(palette), 4, 4))
+        whole[:, :3], whole[:, 3, 3] = palette, 1.0
+        return transform_points(vertex_matrices_dual_quaternion(*influences(mesh.streams), whole), position)
     out = np.zeros_like(position)
     for joints, weights in INFLUENCES:
         if joints not in mesh.streams:

@@ -25,6 +25,8 @@ from engine.core.paths import template_dir
 
 PROJECT_FILE = "project.toml"
 KEYS = ("name", "start", "engine")
+#: tables of project.toml that others read: settings of imports, budgets of `lucarna check`
+OTHER_TABLES = ("import", "presets", "budgets")
 #: Left behind when a template is copied: what a run leaves in a folder, and the picture for our own front page.
 _IGNORED = shutil.ignore_patterns(".cache", "out", "preview.png", "__pycache__", "*.pyc", "*.tmp")
 
@@ -134,8 +136,9 @@ def _read_table(file: Path, text: str) -> dict[str, str]:
     table = document.get("project")
     if not isinstance(table, dict):
         raise FormatError("has no [project] table", where=file, hint="add one with name and start")
-    for key in [*(k for k in document if k != "project"), *(k for k in table if k not in KEYS)]:
-        near = difflib.get_close_matches(key, ("project", *KEYS), 1)
+    tables = ("project", *OTHER_TABLES)
+    for key in [*(k for k in document if k not in tables), *(k for k in table if k not in KEYS)]:
+        near = difflib.get_close_matches(key, (*tables, *KEYS), 1)
         raise FormatError(
             f"unknown key {key!r}",
             where=_place(file, text, key),

@@ -9,11 +9,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.animation.animation_file import load_animation, rest_above
 from engine.animation.animator import Animator
+from engine.animation.morph import target_reach
 from engine.animation.reach import joint_reach
 from engine.animation.sample import ClipPlayer
-from engine.app.clip_deck import ClipDeck
+from engine.app.animation import DRIVES, Animation, open_animation
+from engine.app.clip_deck import ClipDeck, Seers
 from engine.app.framing import AZIMUTH, ELEVATION, frame_points, scene_box, scene_points
 from engine.app.picking import pick_hits, pick_node, view_ray
 from engine.app.project import shader_folders
@@ -33,8 +34,12 @@ from engine.render.renderer import Renderer
 from engine.render.view import View
 from engine.resources.hot_reload import HotReload
 from engine.resources.residency import Residency
+from engine.scene.light_profiles import check_profiles
 from engine.scene.scene import Scene
+from engine.scene.skins import METHODS
 
+#: what sleeps is sampled all the same every so many updates
+SLEEP = 15
 #: for Runtime(pixels=…): as many as a window draws
 MANY_PICTURES = 1 << 40
 
@@ -64,6 +69,12 @@ class Runtime:
         self.clips: list[ClipAsset] = []
         self.players: list[ClipPlayer] = []
         self.deck = ClipDeck(self.scene.nodes, self.clips, self.players)
+        self.animation: Animation | None = None
+        #: leave out sampling what nobody saw in the last picture; for windows: pictures of a sequence must not depend
+        #: on those before
+        self.sleepy = False
+        self._seers: tuple[tuple[int, ...], Seers] | None = None
+        self._updates = 0
         self.findings = Findings()
         self._posed_at = math.nan
 
@@ -89,8 +100,10 @@ class Runtime:
         self.asset, self.path = asset, path
         self.findings.file = str(path or asset.name)
         self.scene = Scene.from_asset(asset)
+        self.scene.folder = base
         self.node_rows = self.scene.row_of_node
         self.findings.items.extend(self.scene.findings)
+        check_profiles(self.scene.lights.profiles, base, self.findings)
         self._add_instances(asset, base)
         for name in asset.clips:
             try:
@@ -101,7 +114,12 @@ class Runtime:
                 self.clips.append(clip)
             except InputError as error:
                 self.findings.error("clip.unreadable", str(error), hint="the scene is shown without it")
-        self.deck = ClipDeck(self.scene.nodes, self.clips, self.players)
+        self.deck = ClipDeck(self.scene.nodes, self.clips, self.players, self.scene.morphs, self.node_rows)
+        if asset.animation:
+            try:
+                self.animate(base / asset.animation)
+            except InputError as error:
+                self.findings.error("animation.unreadable", str(error), hint="the clips are played without it")
         self.scene.update()
 
     def _add_instances(self, asset: SceneAsset, base: Path) -> None:
@@ -135,6 +153,7 @@ class Runtime:
                 rows.append((int(self.node_rows[i]), mesh, s, ids[name] if name else self.residency.default_material))
         self.add_instances(rows)
         self._add_skins(asset, files)
+        self._add_morphs(asset, files)
         for finding in self.residency.findings:
             self.findings.items.append(finding)
 
@@ -161,7 +180,19 @@ class Runtime:
             bind = node.extras.get("skin_bind_world")
             bind_world = np.array(bind, np.float64).reshape(4, 4).T if isinstance(bind, (list, tuple)) else None
             node_row = int(self.node_rows[i])
-            self.scene.skins.add(node_row, rows, mesh.skeleton.inverse_bind, reach[mesh_id], bind_world)
+            skin = self.scene.skins.add(node_row, rows, mesh.skeleton.inverse_bind, reach[mesh_id], bind_world)
+            method = node.extras.get("skinning", mesh.extras.get("skinning", "linear"))
+            if method in METHODS:
+                self.scene.skins.set_method(skin, str(method))
+
+    def _add_morphs(self, asset: SceneAsset, files: dict[str, list[int]]) -> None:
+        for i, node in enumerate(asset.nodes):
+            if node.mesh is None or not 0 <= node.mesh.index < len(files[node.mesh.file]):
+                continue
+            targets = self.residency.meshes[files[node.mesh.file][node.mesh.index]].asset.morphs
+            if targets:
+                names = [t.name or f"target {k}" for k, t in enumerate(targets)]
+                self.scene.morphs.add(int(self.node_rows[i]), names, target_reach(targets), node.weights)
 
     def add_instances(self, rows: list[tuple[int, int, int, int]]) -> NDArray[np.int64]:
         """Add drawables (node row, mesh id, submesh, material id); returns their instance rows."""
@@ -185,18 +216,73 @@ class Runtime:
         self.deck.play(*clips, mode=mode, speed=speed)
         self._posed_at = math.nan
 
-    def animate(self, path: Path) -> Animator:
-        """Let an animation file (`*.animation.toml`) pose the scene, and return its animator to be steered.
+    def animate(self, path: Path, drive: str = "") -> Animator | None:
+        """Let an animation file (`*.animation.toml`) pose the scene, and return the animator of its states.
 
         Raises InputError and FormatError with file:line:column; then what played goes on.
         """
-        graph = load_animation(path, self.asset.nodes, self.clips, self.findings)
-        above, top = rest_above(self.asset.nodes, graph)
-        animator = Animator(graph, above=above)
-        rows = self.node_rows[graph.rig.source][None]
-        self.deck.animate(animator, rows, int(self.node_rows[top]) if top >= 0 else -1)
+        try:
+            text = path.read_text("utf-8")
+        except (OSError, UnicodeDecodeError) as error:
+            raise InputError(f"cannot read {path}: {error}") from error
+        animation = self.set_animation(text, str(path), drive=drive)
+        self.findings.items.extend(animation.findings)
+        return animation.animator
+
+    def set_animation(self, text: str, file: str = "animation", *, drive: str = "") -> Animation:
+        """Let the animation that `text` describes pose the scene: what it was before goes on where it is.
+
+        `drive`: `timeline`, `states` or `clips` (the animation stands by). Raises FormatError with file:line:column;
+        then what played goes on.
+        """
+        standing_by = drive == "clips"
+        nodes = self.asset.nodes
+        animation = open_animation(text, file, nodes, self.clips, self.animation, "" if standing_by else drive)
+        self.animation = animation
+        if not standing_by:
+            self.set_drive(animation.drive)
+        return animation
+
+    def set_drive(self, drive: str) -> None:
+        """What poses the scene: `clips`, or the open animation's `timeline` or `states`. Raises InputError for what it
+        has not."""
+        animation = self.animation
+        if drive not in DRIVES or (drive != "clips" and animation is None):
+            raise InputError(f"nothing here is driven by {drive!r}", hint=f"choose one of {', '.join(DRIVES)}")
         self._posed_at = math.nan
-        return animator
+        if drive == "clips" or animation is None:
+            if self.deck.animator is not None or self.deck.sequence is not None:
+                self.deck.play(*([0] if self.clips else []))
+            return
+        rows = self.node_rows[animation.rig.source][None]
+        top = int(self.node_rows[animation.top]) if animation.top >= 0 else -1
+        if drive == "timeline" and animation.sequence is not None:
+            self.deck.follow(animation.sequence, rows, top)
+        elif drive == "states" and animation.animator is not None:
+            self.deck.animate(animation.animator, rows, top)
+        else:
+            raise InputError(f"{animation.file} has no {drive}", hint="timeline needs [[tracks]], states [states.NAME]")
+        animation.drive = drive
+
+    @property
+    def drive(self) -> str:
+        """`clips`, `timeline` or `states`."""
+        if self.deck.sequence is not None:
+            return "timeline"
+        return "states" if self.deck.animator is not None else "clips"
+
+    def pose_again(self) -> None:
+        """Pose at the next update even where time stands."""
+        self._posed_at = math.nan
+
+    def seek(self, time_s: float) -> None:
+        """Pose the scene at `time_s` without passing what lies between; that far into its state where states drive."""
+        if self.deck.animator is not None:
+            self.deck.animator.seek(time_s)
+            self.deck.apply(self.deck.time)
+            self.scene.update()
+        else:
+            self.update(time_s)
 
     def update(self, time_s: float = 0.0) -> None:
         """Pose the scene at `time_s` and bring the world transforms up to date.
@@ -205,8 +291,22 @@ class Runtime:
         """
         if time_s != self._posed_at:
             self._posed_at = time_s
-            self.deck.apply(time_s)
+            self.deck.apply(time_s, *self._seen())
         self.scene.update()
+
+    def _seen(self) -> tuple[NDArray[np.bool_] | None, Seers | None]:
+        """What the last picture showed; now and then nothing, so that what walks into view by its clip is found."""
+        self._updates += 1
+        if not self.sleepy or self._updates % SLEEP == 0:
+            return None, None
+        scene = self.scene
+        key = (scene.structure_rev, len(scene.nodes))
+        if self._seers is None or self._seers[0] != key:
+            skins = scene.skins
+            ends = skins.first + skins.count
+            joints = [(int(n), skins.joint[a:b]) for n, a, b in zip(skins.node, skins.first, ends, strict=True)]
+            self._seers = (key, Seers(scene.nodes.parent, scene.instances.node, joints))
+        return self.renderer.seen, self._seers[1]
 
     # --- looking ---
 

@@ -100,7 +100,7 @@ def test_no_vertex_is_off_by_more_than_was_asked(name: str, shared_assets: Path,
     source = shared_assets / "gltf" / name / "glTF-Binary" / f"{name}.glb"
     if not source.is_file():
         pytest.skip(f"no {name}")
-    path = convert(source, tmp_path / "out", ImportSettings(preset="draft")).scene
+    path = convert(source, tmp_path / "out", ImportSettings(quality="draft")).scene
     asset = read_scene(path)
     clip = read_lanim(path.parent / asset.clips[0])
     meshes = read_lmesh(path.parent / next(n.mesh.file for n in asset.nodes if n.mesh))

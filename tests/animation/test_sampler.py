@@ -11,7 +11,17 @@ from engine.animation.sample import ClipPlayer
 from engine.animation.sampler import ClipSampler, SampleJob
 from engine.assets.clip import ClipAsset
 from engine.core.errors import InputError
-from tests.animation.crowd import IDENTITY, angle, chain, channel, random_clip, rig, turning
+from tests.animation.crowd import (
+    IDENTITY,
+    angle,
+    chain,
+    channel,
+    random_clip,
+    random_rotations,
+    rig,
+    sampler,
+    turning,
+)
 
 
 @pytest.mark.parametrize("shared", [True, False])
@@ -108,3 +118,26 @@ def test_a_rig_keeps_the_nearest_ancestor_that_moves() -> None:
         made.index("n44")
     with pytest.raises(InputError, match="nodes 3 to 9 of 5"):
         rig_of(nodes, [3, 9])
+
+
+def test_bent_nlerp_is_slerp_to_a_millionth_of_a_radian() -> None:
+    rng = np.random.default_rng(5)
+    a = random_rotations(rng, 500)
+    away = random_rotations(rng, 500)
+    away -= a * poses.dot(a, away)
+    away /= np.sqrt(poses.dot(away, away))
+    for angle_4d in (0.0, 1e-9, 0.05, poses.BENT_LIMIT):
+        b = a * np.cos(angle_4d) + away * np.sin(angle_4d)
+        t = rng.uniform(size=500)
+        expected = poses.slerp(a, b, t)
+        got = poses.bent_nlerp(a.copy(), b.copy(), np.full(500, angle_4d**2 / 3.0), t)
+        assert angle(got, expected).max() < 1e-6
+        np.testing.assert_allclose(poses.dot(got, got), 1.0, atol=1e-12)
+
+
+def test_a_clip_of_wide_turns_is_played_by_slerp() -> None:
+    wide = ClipAsset("wide", [channel(0, "rotation", [0.0, 1.0], [turning(1, 0.0), turning(1, 2.5)])])
+    made = sampler(wide)
+    out = poses.resting(made.rig.rest, 1)
+    made.sample([0.25], out)
+    assert angle(out[poses.R][:, 0, 0], turning(1, 0.625)) < 1e-7  # float32 keys; bent it would be off by 1e-2

@@ -81,11 +81,11 @@ def test_the_panels_show_the_frame(told: dict[str, Any]) -> None:
     assert after["texture_colours"] > 20
 
 
-def test_the_window_shows_gizmo_history_and_graph(told: dict[str, Any]) -> None:
+def test_the_window_shows_gizmo_and_history(told: dict[str, Any]) -> None:
     picture = np.asarray(load_png(told["folder"] / "editing.png"))
     height, width = picture.shape[:2]
     assert (width, height) == (1300, 800)
-    for name, y, x in (("history", 0.65, 0.08), ("graph", 0.8, 0.3), ("viewport", 0.4, 0.5)):
+    for name, y, x in (("history", 0.65, 0.08), ("viewport", 0.4, 0.5)):
         cy, cx, h, w = int(y * height), int(x * width), height // 16, width // 16
         assert not is_blank(picture[cy - h : cy + h, cx - w : cx + w]), f"nothing where the {name} should be"
     pure = picture[:, :, :3].astype(int)

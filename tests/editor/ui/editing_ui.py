@@ -18,7 +18,9 @@ from ui_harness import fresh, main, settle  # noqa: E402
 from editor.app import App  # noqa: E402
 from editor.camera_controls import OrbitCamera, project  # noqa: E402
 from editor.journal import pending  # noqa: E402
+from editor.panels.lights import LightsPanel  # noqa: E402
 from editor.panels.viewport import ViewportPanel  # noqa: E402
+from engine.scene.lights import LIGHT_TYPES  # noqa: E402
 
 
 def prepare(ctx: Any, app: App, *rows: int, mode: str = "move") -> Any:
@@ -358,9 +360,49 @@ def the_new_panels_draw_without_a_real_frame(ctx: Any, app: App) -> None:
     ctx.yield_(3)
 
 
+def lights_are_scattered_by_a_button(ctx: Any, app: App) -> None:
+    document = prepare(ctx, app)
+    panel, table = app.panel(LightsPanel), document.runtime.scene.lights
+    panel.settings.count = 7
+    app.ui.session.ui.focus_panel = "Lights"
+    ctx.yield_(3)
+    ctx.item_click("//###Lights/###scatter")
+    ctx.yield_(2)
+    assert table.alive_count == 8
+    assert [e.describe() for e in document.history.entries] == ["Scatter 7 lights"]
+    document.selection = (3,)
+    ctx.yield_(2)
+    ctx.item_click("//###Lights/###array")
+    ctx.yield_(2)
+    assert table.alive_count == 10, "three of the lamp"
+    app.ui.session.undo()
+    app.ui.session.undo()
+    assert table.alive_count == 1
+    app.ui.session.ui.focus_panel = "Inspector"
+    ctx.yield_(2)
+
+
+def every_kind_of_light_can_be_added_and_shown(ctx: Any, app: App) -> None:
+    document = prepare(ctx, app)
+    table = document.runtime.scene.lights
+    app.ui.session.preferences.show_lights = True
+    for kind in LIGHT_TYPES:
+        app.ui.operations.run(f"add.{kind}-light", app.ui.session)
+        ctx.yield_(3)
+        row = int(np.flatnonzero(table.alive & (table.node == document.primary))[0])
+        assert LIGHT_TYPES[table.type[row]] == kind
+        assert ctx.item_info(f"//###Inspector/**/brightness{row}/##value").id_ != 0, kind
+    app.ui.session.edit("lights", "profile", [row], ["no such.ies"])
+    app.ui.session.edit("lights", "type", [row], ["point"])
+    ctx.yield_(3)
+    app.ui.session.preferences.show_lights = False
+
+
 TESTS = {
     f.__name__: f
     for f in (
+        lights_are_scattered_by_a_button,
+        every_kind_of_light_can_be_added_and_shown,
         the_gizmo_moves_along_an_axis_as_one_entry,
         two_gizmo_drags_are_two_entries,
         ctrl_snaps_to_whole_steps,

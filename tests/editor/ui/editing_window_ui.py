@@ -107,11 +107,11 @@ def restore(ctx: Any, app: App, seen: dict[str, Any]) -> None:
     document.selection = (2,)
     ctx.mouse_move_to_pos((5, 5))
     ctx.yield_(4)
-    session.ui.focus_panel = "Viewport"
-    ctx.yield_(3)
     boxes = app.panel(FrameGraphPanel).diagram.boxes
     seen["passes"] = [b.name for b in boxes if not b.reason]
     seen["left_out"] = [b.name for b in boxes if b.reason]
+    session.ui.focus_panel = "Viewport"
+    ctx.yield_(3)
     session.save()
     seen["saved"] = [n.name for n in _read(document.scene_path).nodes]
 
