@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,6 +14,7 @@ from engine.core.errors import LucarnaError
 from engine.experiments.harness.context import Context, OpenScene
 from engine.experiments.harness.experiment import Experiment, Knobs, Outcome, Trial
 from engine.experiments.harness.pictures import beside_truth
+from engine.experiments.harness.scenes import MADE, open_scene, own_or, short
 from engine.gpu.types import Device
 from engine.render.settings import RenderSettings
 from engine.render.view import View
@@ -39,26 +39,37 @@ class Measured:
     left_out: list[str] = field(default_factory=list)
 
 
-def scenes(ctx: Context) -> Sequence[Path]:
-    return list(ctx.scenes) or list(ctx.lent().sample_scenes())
+#: made here; with the sample project's scene they are ten, whatever else is there
+MADE_SCENES = [MADE + n for n in ("nothing", "flat", "ball", "textured", "glass", "leaves", "blocks", "room", "crowd")]
+QUICK = 3
+
+
+def scenes(ctx: Context) -> list[str]:
+    lent = [str(path) for path in ctx.tools.sample_scenes()] if ctx.tools is not None and ctx.live is None else []
+    made = [s for s in MADE_SCENES if not ctx.quick or s in MADE_SCENES[1 :: len(MADE_SCENES) // QUICK]]
+    return own_or(ctx, (lent[:1] if ctx.quick else lent) + made)
 
 
 def knobs(ctx: Context) -> list[dict[str, Any]]:
-    return [{"frame": frame, "scene": str(path)} for path in scenes(ctx) for frame in FRAMES]
+    if ctx.quick and not ctx.scenes and ctx.live is None:
+        ctx.omit("the other sample scenes", "quick mode")
+    return [{"frame": frame, "scene": name} for name in scenes(ctx) for frame in FRAMES]
 
 
-def measure_all(ctx: Context) -> dict[str, dict[str, Measured] | LucarnaError]:
-    """Of every scene, before any is opened for timing: one that is open shares its programs with the next."""
+def prepare(ctx: Context) -> Iterator[tuple[float, str]]:
+    """Measure every scene before any is opened for timing: one that is open shares its programs with the next."""
     found: dict[str, dict[str, Measured] | LucarnaError] = {}
-    for path in scenes(ctx):
+    ctx.scratch["measured"] = found
+    names = scenes(ctx)
+    for i, name in enumerate(names):
+        yield i / len(names), f"first frames of {short(name)}"
         try:
-            found[str(path)] = measure(ctx, path)
+            found[name] = measure(ctx, name)
         except LucarnaError as error:
-            found[str(path)] = error
-    return found
+            found[name] = error
 
 
-def measure(ctx: Context, path: Path) -> dict[str, Measured]:
+def measure(ctx: Context, name: str) -> dict[str, Measured]:
     """Both ways of rendering a scene, each in a renderer of its own with nothing compiled.
 
     The first round of two fills the driver's cache on disk, which the way that comes second would else profit from;
@@ -71,7 +82,7 @@ def measure(ctx: Context, path: Path) -> dict[str, Measured]:
         )
     for _ in range(1 if ctx.quick else 2):
         for frame in reversed(FRAMES):
-            scene = ctx.lent().open_scene(path, _device(ctx))
+            scene = open_scene(ctx, name)
             try:
                 found[frame] = _first_frames(ctx, scene, frame)
             finally:
@@ -107,19 +118,19 @@ def _device(ctx: Context) -> Device:
 
 
 def run(ctx: Context, chosen: Knobs) -> Trial:
-    path, device = Path(chosen["scene"]), _device(ctx)
-    found = ctx.once("measured", lambda: measure_all(ctx))[str(path)]
+    name, device = str(chosen["scene"]), _device(ctx)
+    found: dict[str, Measured] | LucarnaError = ctx.scratch["measured"][name]
     if isinstance(found, LucarnaError):
         raise found
     both = found
-    scene = ctx.lent().open_scene(path, device)
+    scene = open_scene(ctx, name)
     view = _view(ctx, scene, chosen["frame"])
 
     def work() -> None:
         scene.render(view)
         device.finish()
 
-    return Trial(work, lambda _: _judge(ctx, both, chosen), close=scene.close)
+    return Trial(work, lambda _: _judge(ctx, both, chosen), whole=True, close=scene.close)
 
 
 def _judge(ctx: Context, both: dict[str, Measured], chosen: Knobs) -> Outcome:
@@ -129,7 +140,7 @@ def _judge(ctx: Context, both: dict[str, Measured], chosen: Knobs) -> Outcome:
     error = {"max_difference": max_error(mine.hdr, full.hdr), "rmse_8_bit": rmse(mine.picture, full.picture)}
     pictures = []
     if chosen["frame"] == "pruned":
-        name = Path(chosen["scene"]).name
+        name = short(chosen["scene"])
         a, b = (m.picture[..., :3] for m in (mine, full))
         pictures = beside_truth(ctx, f"{name}, pruned", a, "nothing left out", b)
     return Outcome(error, extra=extra, pictures=pictures)
@@ -138,23 +149,24 @@ def _judge(ctx: Context, both: dict[str, Measured], chosen: Knobs) -> Outcome:
 def tables(ctx: Context, points: Sequence[Point]) -> list[Table]:
     """The saving per scene with its 95 % interval, and what was left out and why."""
     rows, reasons = [], []
-    for path in scenes(ctx):
-        found = {p.knobs["frame"]: p for p in points if p.knobs["scene"] == str(path)}
+    for name in scenes(ctx):
+        found = {p.knobs["frame"]: p for p in points if p.knobs["scene"] == name}
         if len(found) < 2 or found["pruned"].ms is None or found["all"].ms is None:
             continue
-        both: dict[str, Measured] = ctx.scratch["measured"][str(path)]
+        both: dict[str, Measured] = ctx.scratch["measured"][name]
         a, b = both["pruned"], both["all"]
         ratio = ratio_interval(found["pruned"].samples, found["all"].samples)
         sure = ratio.high < 1.0 or ratio.low > 1.0
         same = bool((a.hdr.view(np.uint32) == b.hdr.view(np.uint32)).all())
         rows.append([
-            path.name, f"{milliseconds(found['pruned'].ms.median)} / {milliseconds(found['all'].ms.median)}",
+            short(name), f"{milliseconds(found['pruned'].ms.median)} / {milliseconds(found['all'].ms.median)}",
             f"{ratio.value:.3f} [{ratio.low:.3f}, {ratio.high:.3f}]{'' if sure else ' below noise'}",
             *(f"{int(a.counters.get(n, 0)):,} / {int(b.counters.get(n, 0)):,}" for n in COUNTERS),
             f"{a.programs} / {b.programs}", f"{a.first_ms:.0f} / {b.first_ms:.0f}",
             "bit-equal" if same else f"differs by {max_error(a.hdr, b.hdr):.2g}",
         ])  # fmt: skip
-        reasons += [[path.name, line] for line in a.left_out]
+        reasons += [[short(name), line] for line in a.left_out]
+    reasons = _by_reason(reasons)
     head = ["scene", "ms", "ratio, 95 % interval", "API calls", "draws", "bytes uploaded", "transient bytes",
             "programs", "first frame, ms", "picture"]  # fmt: skip
     return [
@@ -165,8 +177,17 @@ def tables(ctx: Context, points: Sequence[Point]) -> list[Table]:
             "A ratio below 1 is a saving. Frames are timed in turns."
             " First frames compile everything anew, with the driver's own cache on disk warm.",
         ),
-        Table("What was left out, and why", ["scene", "left out"], reasons),
+        Table("What was left out, and why", ["left out", "why", "scenes"], reasons),
     ]
+
+
+def _by_reason(told: list[list[str]]) -> list[list[str]]:
+    """[scene, "what: why"] rows as [what, why, scenes], what is most often left out first."""
+    found: dict[str, list[str]] = {}
+    for scene, line in told:
+        found.setdefault(line, []).append(scene)
+    ordered = sorted(found.items(), key=lambda item: (-len(item[1]), item[0]))
+    return [[*line.split(": ", 1), ", ".join(scenes)] for line, scenes in ordered]
 
 
 EXPERIMENT = Experiment(
@@ -180,7 +201,10 @@ EXPERIMENT = Experiment(
     curve="frame",
     problem="scene",
     run=run,
-    needs=frozenset({"gpu", "tools"}),
+    prepare=prepare,
+    needs=frozenset({"gpu"}),
+    own_scene=True,
+    patience=3.0,
     timed="gpu",
     tables=tables,
     time_label="median frame time",

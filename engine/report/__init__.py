@@ -5,8 +5,11 @@ summary  median, IQR of repeated runs   ─> benches, experiments
 metrics  rmse, rel_mse, psnr, is_blank  <─ image      PNG and EXR in and out, atomic, same bytes for the same pixels
          angles, energy                    perceptual FLIP, SSIM (the extra `report`)
 
+number_check  what the check of a frame's numbers found: NaN and infinities, pass by pass
+
 interleave, interval, front, order      ─> records    Report: experiments, points, floors, orders, omissions
     runs in turns, bootstrap, Pareto,         │
     slopes                                    ├─> writing, page/  report.html and report.json
-                                              └─> compare         two report.json
+                                              ├─> compare         two report.json
+                                              └─> advice          which setting to take, what another costs and gives
 """

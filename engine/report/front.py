@@ -36,3 +36,12 @@ def gain(cost: ArrayLike, error: ArrayLike) -> NDArray[np.float64]:
         step = c[after] - c[before]
         result[after] = (e[before] - e[after]) / step if step > 0.0 else np.nan
     return result
+
+
+#: an error that is this much smaller is smaller: less is rounding or noise
+CLEARLY_LESS = 0.98
+
+
+def clearly_less(a: float, b: float) -> bool:
+    """Whether error `a` is smaller than `b` by more than rounding or noise would make it."""
+    return a < CLEARLY_LESS * b

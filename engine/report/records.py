@@ -148,6 +148,12 @@ class Result:
     time_label: str = ""
     note: str = ""
     seconds: float = 0.0
+    #: the knob that says what is solved: only points alike in it compete
+    problem: str = ""
+    #: a default that is beaten is advice about one scene, no defect
+    advisory: bool = False
+    #: truths out of the cache, by name: file stems of name, hash of all that went in, and seed
+    references: dict[str, str] = field(default_factory=dict)
 
     @property
     def order(self) -> OrderResult | None:
@@ -173,6 +179,7 @@ class Result:
             "extremes": [{"what": e.what, "found": e.found, "ok": e.ok} for e in self.extremes],
             "omitted": [{"what": o.what, "why": o.why} for o in self.omitted],
             "tables": [{"title": t.title, "columns": t.columns, "rows": t.rows} for t in self.tables],
+            "advisory": self.advisory, "problem": self.problem, "references": self.references,
             "timed_on": self.timed_on, "seed": self.seed, "note": self.note, "seconds": round(self.seconds, 3),
         }  # fmt: skip
 

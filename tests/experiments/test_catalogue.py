@@ -8,13 +8,13 @@ from collections.abc import Callable
 
 import pytest
 
-from engine.experiments.harness import registry, sweep
+from engine.experiments.harness import registry, sweep, verdict
 from engine.experiments.harness.context import Context
 from engine.report.page import diagram
 from engine.report.records import Result
 
-#: what renders a scene is slow on a software rasteriser and has tests of its own
-SCENES = {"pruning"}
+#: what renders whole scenes says its points only when it runs; that is slow here, and has tests of its own
+SCENES = {name for name in registry.names() if callable(registry.get(name).knobs)}
 NAMES = [name for name in registry.names() if name not in SCENES]
 
 
@@ -41,7 +41,7 @@ def test_runs_and_shows_its_order(name: str, quick: Callable[[], Context]) -> No
     assert result.orders or "order is expected" in experiment.note, "no order: the note says why"
     for extreme in result.extremes:
         assert extreme.ok, extreme
-    default = sweep.find(result.points, experiment.default)
+    default = verdict.find(result.points, experiment.default)
     assert default is not None, "the default is among the points, also in quick mode"
     assert default.status == "ok"
     assert experiment.metric in default.error

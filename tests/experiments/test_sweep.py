@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from engine.core.errors import InputError, UsageError
-from engine.experiments.harness import registry, sweep
+from engine.experiments.harness import registry, sweep, verdict
 from engine.experiments.harness.context import Context
 from engine.experiments.harness.experiment import Experiment, Knobs, Order, Outcome, Trial, grid
 from engine.experiments.harness.references import ReferenceCache
@@ -105,7 +105,7 @@ def point(form: str, error: float, ms: float, spread: float = 0.01, **extra: Any
 def judged(points: list[Point], also: tuple[str, ...] = (), problem: str = "") -> Any:
     result = sweep.run_experiment("toy", toy(knobs=[], default={"form": "mine"}), Context(quick=True))
     result.points = points
-    sweep._mark_front(result, problem, also)
+    verdict.mark_front(result, problem, also)
     return result
 
 

@@ -14,7 +14,7 @@ from pathlib import Path
 from hypothesis import HealthCheck, Phase, given, seed, settings
 
 from engine.gpu import open_device
-from tests.pruning.compare import pruned_equals_forced
+from tests.pruning.compare import paths_agree, pruned_equals_forced
 from tests.pruning.scenes import SceneSpec, specs, write_textures
 from tests.support.stage import Stage
 
@@ -23,6 +23,7 @@ def main(argv: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m tests.pruning", description=__doc__)
     parser.add_argument("--count", type=int, default=200, help="scenes to try (default 200)")
     parser.add_argument("--seed", type=int, default=1, help="another seed, other scenes (default 1)")
+    parser.add_argument("--paths", action="store_true", help="compare the render paths instead")
     args = parser.parse_args(argv)
     left_out: Counter[str] = Counter()
     tried: set[SceneSpec] = set()
@@ -42,6 +43,10 @@ def main(argv: list[str] | None = None) -> int:
         @given(specs)
         def compare(spec: SceneSpec) -> None:
             if spec in tried or len(tried) == args.count:
+                return
+            if args.paths:
+                paths_agree(stage, spec, Path(folder))
+                tried.add(spec)
                 return
             pictures = pruned_equals_forced(stage, spec, Path(folder))
             tried.add(spec)

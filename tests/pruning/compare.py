@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from engine.framegraph.compiled import LeftOut
 from engine.render.facts import SceneFacts
+from engine.render.lighting import PATHS
 from tests.pruning.scenes import SIZE, SceneSpec, build
 from tests.support.stage import Stage
 
@@ -34,6 +35,7 @@ def shoot(stage: Stage, spec: SceneSpec, camera: Any, *, force_all: bool) -> Pic
     settings = {
         "samples": spec.samples, "view": spec.view, "shadows": spec.shadows, "shadow_filter": spec.shadow_filter,
         "shadow_size": 64, "shadow_cascades": 2, "force_all": force_all,
+        "path": spec.path, "alpha_to_coverage": spec.cutouts_smooth,
     }  # fmt: skip
     frame = stage.runtime.render(stage.view(SIZE, camera, **settings), hdr=True)
     assert frame.hdr is not None
@@ -54,6 +56,19 @@ def pruned_equals_forced(stage: Stage, spec: SceneSpec, folder: Path) -> Picture
     _same_bits(pruned.hdr, forced.hdr, f"linear picture with {names} left out")
     _same_bits(pruned.color, forced.color, f"picture with {names} left out")
     return pruned
+
+
+def paths_agree(stage: Stage, spec: SceneSpec, folder: Path) -> None:
+    """Raises AssertionError where a render path makes another picture than the forward one; a scene without local
+    lights gets one."""
+    if not {"point", "spot", "rectangle", "disk", "profile"} & set(spec.lights):
+        spec = replace(spec, lights=(*spec.lights, "point"))
+    camera = build(stage, spec, folder)
+    paths = PATHS if spec.samples == 1 else ("forward", "forward-plus")
+    pictures = [shoot(stage, replace(spec, path=path), camera, force_all=False) for path in paths]
+    for path, picture in zip(paths[1:], pictures[1:], strict=True):
+        _same_bits(picture.hdr, pictures[0].hdr, f"linear picture by {path}")
+        _same_bits(picture.color, pictures[0].color, f"picture by {path}")
 
 
 def _same_bits(pruned: NDArray[Any], forced: NDArray[Any], what: str) -> None:

@@ -17,6 +17,7 @@ from engine.assets.scene import LightAsset
 from engine.assets.texture import TextureAsset
 from engine.math import quat
 from engine.render.camera import Camera
+from engine.render.lighting import PATHS
 from engine.render.settings import DEBUG_VIEWS, TONE_MAPS
 from engine.render.shadows.quality import FILTERS
 from tests.support.stage import Stage, front_camera
@@ -28,6 +29,9 @@ TEXTURES = {
     "emissive_map": ("color.dds", "rgba8-srgb"),
 }  # fmt: skip
 SIZE = (28, 22)
+#: a lamp that is bright on one side only
+PROFILE = "lamp.ies"
+IES = "IESNA91\nTILT=NONE\n1 1000 1 3 2 1 2 0 0 0\n1 1 10\n0 90 180\n0 180\n400 900 10\n400 100 10\n"
 
 
 @dataclass(frozen=True)
@@ -64,6 +68,8 @@ class SceneSpec:
     samples: int = 1
     shadows: bool = True
     shadow_filter: str = "pcf"
+    path: str = "auto"
+    cutouts_smooth: bool = True
     looks_away: bool = False
     far_away: bool = False
 
@@ -86,7 +92,9 @@ bodies = st.builds(
 specs = st.builds(
     SceneSpec,
     bodies=st.lists(bodies, max_size=3).map(tuple),
-    lights=st.lists(st.sampled_from(["directional", "point", "spot", "dark"]), max_size=3).map(tuple),
+    lights=st.lists(
+        st.sampled_from(["directional", "point", "spot", "dark", "rectangle", "disk", "profile"]), max_size=3
+    ).map(tuple),
     environment=st.sampled_from(["none", "uniform", "studio"]),
     environment_intensity=st.sampled_from([1.0, 1.0, 0.0]),
     sun=st.sampled_from([2.0, 0.0, 2.0]),
@@ -98,6 +106,7 @@ specs = st.builds(
     samples=st.sampled_from([1, 4]),
     shadows=st.sampled_from([True, True, True, False]),
     shadow_filter=st.sampled_from(["pcf", "pcf", *FILTERS]),
+    path=st.sampled_from(["auto", *PATHS]),
     looks_away=st.sampled_from([False] * 7 + [True]),
     far_away=st.sampled_from([False] * 7 + [True]),
 )
@@ -112,6 +121,7 @@ def write_textures(folder: Path) -> None:
             for level in chain:
                 level[..., :2] = 96 + level[..., :2] // 4  # leaning by up to 30 degrees
         write_dds(folder / file, TextureAsset(format, 8, 8, [[level.tobytes() for level in chain]]))
+    (folder / PROFILE).write_text(IES, encoding="utf-8")
 
 
 def mesh_of(body: Body) -> MeshAsset:
@@ -155,7 +165,10 @@ def build(stage: Stage, spec: SceneSpec, folder: Path) -> Camera:
         rows.append((node, mesh, 0, material))
     runtime.add_instances(rows)
     for number, kind in enumerate(spec.lights):
-        light = LightAsset("point" if kind == "dark" else kind, (1.0, 0.8, 0.6), 0.0 if kind == "dark" else 1.5, 5.0)
+        name = "point" if kind in ("dark", "profile") else kind
+        light = LightAsset(name, (1.0, 0.8, 0.6), 0.0 if kind == "dark" else 1.5, 5.0)
+        if kind == "profile":
+            light.profile = str(folder / PROFILE)
         stage.lamp(light, np.add(origin, (0.6 - 0.5 * number, 0.7, 1.2)), quat.from_axis_angle((1.0, 0.3, 0.0), -0.4))
     assert not runtime.residency.findings.items, [str(f) for f in runtime.residency.findings]
     camera = front_camera(0.8, SIZE[0] / SIZE[1])

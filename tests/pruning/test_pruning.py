@@ -23,24 +23,32 @@ LIT = replace(BARE, sun=2.0)
 #: a ball over a card, so that its shadow is seen
 SHADOWED = SceneSpec(bodies=(Body("sphere", 2), Body("card", 0, metallic=0.0)), lights=("directional",))
 
+#: a cut-out card, seen with several samples
+LEAVES = replace(LIT, bodies=(Body("card", 1, "alpha_test", ("base_color_map",)),), samples=4)
+
 #: fact -> two scenes that differ in that fact, and in no other but those named after it
 TOGGLES: dict[str, tuple[SceneSpec, SceneSpec, tuple[str, ...]]] = {
     "opaque": (replace(LIT, bodies=()), LIT, ("sun_shadows",)),
     "transparent": (LIT, replace(LIT, bodies=(*LIT.bodies, Body("card", 1, "transparent"))), ()),
     "suns": (BARE, LIT, ("sun_shadows",)),
-    "local_lights": (BARE, replace(BARE, lights=("point",)), ()),
+    "local_lights": (BARE, replace(BARE, lights=("point",)), ("lighting",)),
     "environment": (BARE, replace(BARE, environment="uniform"), ()),
     "background": (
         replace(BARE, environment="uniform"), replace(BARE, environment="uniform", background="environment"), (),
     ),
     "tone_map": (LIT, replace(LIT, tone_map="agx"), ()),
     "samples": (LIT, replace(LIT, samples=4), ()),
+    "alpha_to_coverage": (
+        replace(LEAVES, cutouts_smooth=False), LEAVES, (),
+    ),
     "debug_view": (LIT, replace(LIT, view="normal"), ()),
     "sun_shadows": (replace(SHADOWED, shadows=False), SHADOWED, ()),
     "shadow_quality": (SHADOWED, replace(SHADOWED, shadow_filter="none"), ()),
+    "area_lights": (replace(BARE, lights=("point",)), replace(BARE, lights=("disk",)), ()),
+    "light_profiles": (replace(BARE, lights=("point",)), replace(BARE, lights=("profile",)), ()),
 }  # fmt: skip
 #: facts that are not of the scene: what they must do instead is tested below
-NOT_OF_THE_SCENE = {"hdr_output", "force_all"}
+NOT_OF_THE_SCENE = {"hdr_output", "force_all", "lighting"}
 
 
 @given(spec=specs)

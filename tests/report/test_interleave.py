@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-from engine.report.interleave import LEAST, interleaved, wall_clock
+from engine.report.interleave import LEAST, interleaved, one_by_one, wall_clock
 
 
 def test_every_round_runs_each_once_and_starts_elsewhere() -> None:
@@ -22,3 +22,12 @@ def test_each_run_has_its_clock() -> None:
     samples = interleaved([lambda: None] * 2, repeats=5, clocks=[lambda run: 7.0, wall_clock])
     assert samples[0] == [7.0] * 5
     assert all(0.0 <= s < 1000.0 for s in samples[1])
+
+
+def test_pauses_after_every_run_do_not_count() -> None:
+    samples: list[list[float]] = [[], []]
+    done = list(one_by_one([lambda: None] * 2, samples, repeats=6, warm_up=1, clocks=[lambda run: 7.0] * 2))
+    assert [len(s) for s in samples] == [6, 6]
+    assert len(done) == 14
+    assert done == sorted(done)
+    assert done[-1] == 1.0

@@ -153,4 +153,26 @@ def test_words() -> None:
     assert [power(e) for e in (-3, 0, 1, 2, 12)] == ["10⁻³", "1", "10", "100", "10¹²"]
     assert knobs({"form": "x"}) == "x"
     assert knobs({"form": "x", "n": 0.5, "on": True}) == "form x, n 0.5, on on"
-    assert knobs({"form": "x", "n": 3}, "form") == "3"
+    assert knobs({"form": "x", "n": 3}, "form") == "n 3"
+    assert knobs({"form": "x", "value": ""}) == "x"
+
+
+def test_problems_have_fronts_of_their_own_and_labels_only_what_differs(report: Report) -> None:
+    result = report.experiments[0]
+    for p in result.points:
+        p.knobs["scene"] = "one"
+    drawing = diagram.work_precision(result)
+    assert "scene" not in re.sub("<title>.*?</title>", "", drawing), "the same everywhere"
+    for p in result.points[3:]:
+        p.knobs["scene"] = "two"
+        p.front = True
+    result.problem = "scene"
+    assert diagram.work_precision(result).count('class="front" d="M') == drawing.count('class="front" d="M') + 1
+
+
+def test_advice_is_no_defect(report: Report) -> None:
+    result = report.experiments[0]
+    result.default_on_front, result.beaten_by, result.advisory = False, {"kind": "b", "n": 4}, True
+    text = page(report)
+    assert "better here: kind b, n 4" in text
+    assert "beaten by kind" not in text

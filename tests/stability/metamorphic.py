@@ -36,9 +36,13 @@ class Change:
         return ((-1.0 if self.mirror else 1.0) * scale * self.scale, scale * self.scale, scale * self.scale)
 
     def light(self, light: LightAsset) -> LightAsset:
-        """Candela grow with the square of the distances, so that the picture stays; lux do not."""
-        power = 1.0 if light.type == "directional" else self.scale**2
-        return replace(light, intensity=light.intensity * power, range=light.range * self.scale)
+        """Candela grow with the square of the distances, so that the picture stays; lux and nit do not."""
+        power = self.scale**2 if light.type in ("point", "spot") else 1.0
+        s = self.scale
+        return replace(
+            light, intensity=light.intensity * power, range=light.range * s, width=light.width * s,
+            height=light.height * s,
+        )  # fmt: skip
 
     def camera(self, camera: Camera) -> Camera:
         pose = camera.world_from_camera.copy()
@@ -88,6 +92,16 @@ def outdoors(p: Placer) -> None:
     p.lamp(LightAsset("directional", intensity=2.0), (0, 0, 0), (1.0, 0.3, 0.0), -0.8)
 
 
+def panels(p: Placer) -> None:
+    """Lights with an area: a rectangle from above, a disk from the side that shines both ways."""
+    p.stage.look(kind="none", sun_illuminance=0.0, background="color", background_color=(0.02, 0.02, 0.03))
+    p.add(plane(4.0), (0.0, -0.5, 0.0), base_color=(0.6, 0.6, 0.6, 1), metallic=0.0, roughness=0.4)
+    p.add(uv_sphere(), (0.1, 0.0, 0.0), base_color=(0.9, 0.8, 0.7, 1), metallic=0.5, roughness=0.3)
+    p.lamp(LightAsset("rectangle", intensity=3.0, width=0.8, height=0.4), (0.2, 1.3, 0.4), (1, 0, 0), -1.3)
+    disk = LightAsset("disk", (0.4, 0.7, 1.0), 4.0, width=0.5, height=0.5, two_sided=True)
+    p.lamp(disk, (-1.0, 0.2, 0.5), (0, 1, 0), -1.2)
+
+
 def glass(p: Placer) -> None:
     """Blended sheets in front of and behind each other, and of something solid."""
     p.stage.look(kind="uniform", color=(0.7, 0.7, 0.7), sun_illuminance=0.0, background="color")
@@ -96,7 +110,7 @@ def glass(p: Placer) -> None:
         p.add(card(0.8), (-0.3 + 0.3 * i, 0.1 * i, 0.2 * i), queue="transparent", base_color=color, roughness=0.6)
 
 
-SCENES: dict[str, Callable[[Placer], None]] = {"lamps": lamps, "outdoors": outdoors, "glass": glass}
+SCENES: dict[str, Callable[[Placer], None]] = {"lamps": lamps, "outdoors": outdoors, "panels": panels, "glass": glass}
 
 
 def picture(

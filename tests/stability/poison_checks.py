@@ -29,9 +29,9 @@ def full_stage(device: Device) -> Stage:
     return stage
 
 
-def full_view(stage: Stage, samples: int = 1) -> View:
+def full_view(stage: Stage, samples: int = 1, path: str = "auto") -> View:
     camera = front_camera(0.6, SIZE[0] / SIZE[1])
-    return stage.view(SIZE, camera, samples=samples, shadow_size=32, shadow_cascades=1, force_all=True)
+    return stage.view(SIZE, camera, samples=samples, shadow_size=32, shadow_cascades=1, force_all=True, path=path)
 
 
 def has_declared_reach(item: Pass) -> None:
@@ -41,11 +41,11 @@ def has_declared_reach(item: Pass) -> None:
     )
 
 
-def pass_contains_poison(stage: Stage, item: Pass, value: float, samples: int = 1) -> int:
+def pass_contains_poison(stage: Stage, item: Pass, value: float, samples: int = 1, path: str = "auto") -> int:
     """Plant `value` in each input of `item`, one texel at a time; returns how many plants were tried."""
     has_declared_reach(item)
     assert item.reach is not None
-    view = full_view(stage, samples)
+    view = full_view(stage, samples, path)
     clean = poison.shoot(stage.runtime, view, item.name)
     assert any(p.name == item.name for p in clean.graph.passes), f"pass {item.name!r} did not run"
     again = poison.shoot(stage.runtime, view, item.name)

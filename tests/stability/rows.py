@@ -61,7 +61,7 @@ def markdown() -> str:
 
 _SHADOWS = "tests/render/"
 _AO = "no ambient occlusion pass yet"
-_TILES = "no tiled or clustered path yet"
+_ANIMATION = "tests/animation/"
 
 _QUAT = "tests/math/test_quat.py::test_slerp_"
 
@@ -84,8 +84,10 @@ ROWS = (
     Row("format.half-history", "a running mean in half floats", waits="no pass keeps a history yet"),
     Row("format.no-infinities-in-data", "1/0 as a sentinel, inf - inf"),
     Row("format.integer-noise", "noise from fract(sin())"),
+    Row("format.transcendentals", "exp, log, pow, sqrt, atan of this device against float64"),
     Row("format.table-filter", "a table's error between its texels"),
     Row("format.light-order", "the order of lights changes the sum by an ulp at most"),
+    Row("format.who-made-it", "which pass made the first NaN or infinity, and in which pixel"),
     # --- depth ---
     Row(
         "depth.near-and-far", "near 1e-3, far 1e6: two planes a thousandth apart at 1 to 1e5 m",
@@ -111,10 +113,18 @@ ROWS = (
     Row("shadow.exponents", "exponents that overflow", waits="no exponential shadow maps"),
     # --- transforms and animation ---
     Row("pose.slerp-small-angle", "1e-7 radians to a half turn", (_QUAT + "is_constant_speed",)),
-    Row("pose.antipodal", "q and -q; a half turn apart", (_QUAT + "half_turn_is_unit",)),
+    Row(
+        "pose.antipodal", "q and -q; a half turn apart",
+        (_QUAT + "half_turn_is_unit", _ANIMATION + "test_blend.py::test_the_row_antipodal_double_cover"),
+    ),
     Row("pose.bad-quaternion", "length 1e-30 to 1e30, zero, not a number"),
     Row("pose.bad-camera", "a pose that is not finite or flat, a lens that cannot be, a near plane of 1e-12 to 1e30 m"),
-    Row("pose.blend-weights", "weights that sum to 0, negative ones", waits="clips are not blended yet"),
+    Row(
+        "pose.blend-weights", "weights that sum to 0, negative ones, not a number",
+        (_ANIMATION + "test_blend.py::test_the_row_weights_sum_0_is_the_rest_pose",
+         _ANIMATION + "test_blend.py::test_the_row_negative_weights_count_as_0"),
+    ),
+    Row("pose.morphs", "morph weights that are not a number, infinite, 1e30"),
     Row(
         "pose.skin-weights", "sums other than 1, more than 8 influences, none",
         ("tests/importers/test_topology_skin_quantize.py::test_influences_of_bad_sums_are_counted",
@@ -122,7 +132,11 @@ ROWS = (
     ),
     Row("pose.singular-scale", "scales (1,1,0), (-1,1,1), 1e-9 to 1e9, 1e4 to 1"),
     Row("pose.bad-bone", "one key that is not a number: everything else is bit-equal"),
-    Row("pose.odd-clips", "0 keys, 1 key, equal keys, t = -1e9, 1e12, not a number"),
+    Row(
+        "pose.odd-clips", "0 keys, 1 key, equal keys, t = -1e9, 1e12, not a number",
+        (_ANIMATION + "test_sampler.py::test_the_row_t_huge_or_not_a_number_holds_the_ends",
+         _ANIMATION + "test_animator.py::test_the_row_zero_duration_and_time_not_a_number"),
+    ),
     Row(
         "pose.cubic-spline", "against a float64 Hermite spline",
         ("tests/animation/test_sample.py::test_every_channel_against_float64",),
@@ -143,13 +157,14 @@ ROWS = (
     Row("light.very-many", "thousands of lights at one point equal one that is as bright"),
     Row("light.bad-values", "negative, not a number, 1e8; radius 0; cones of 0 and 180 degrees"),
     Row("light.order", "lights and nodes in any order"),
-    Row("light.tile-depth", "depth range of a tile", waits=_TILES),
-    Row("light.tile-edges", "tiles at odd sizes", waits=_TILES),
-    Row("light.path-agreement", "deferred = tiled = forward+", waits="there is one path so far"),
+    Row("light.tile-depth", "tiles of sky only, of sky and one body, of many depths"),
+    Row("light.tile-edges", "tiles of any size at odd sizes of the picture"),
+    Row("light.path-agreement", "deferred = tiled = forward+"),
     Row("light.occlusion", "Alchemy, horizon-based: radius below a pixel, above the screen", waits=_AO),
     Row("light.layers", "an empty second layer", waits="no deep G-buffer yet"),
     Row("light.reflection", "camera on, under, along the mirror", waits="no planar reflection yet"),
     Row("light.refraction", "total internal reflection, posts before the water", waits="no refraction yet"),
+    Row("facts.flicker", "a fact that is true in every other frame: graphs do not come and go, no bit changes"),
     Row("size.odd", "1x1, 17x31, one pixel wide"),
     Row("size.resize", "sizes of 1 to 40 pixels in any order"),
     Row("size.many-vertices", "more than 65535 vertices in a mesh"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from typing import Any
 
 import numpy as np
 import pytest
@@ -103,6 +104,34 @@ def test_dfg_table_between_its_texels(gl_device: Device, probe: ShaderProbe) -> 
     error = np.abs(got - ggx.dfg(rough, mu))
     assert np.sqrt((error**2).mean()) < 1.5e-3
     assert error.max() < 5e-3, f"largest error {error.max():.2e}"
+
+
+@pytest.mark.gl
+@covers("format.transcendentals")
+@pytest.mark.parametrize(
+    ("code", "twin", "low", "high", "tolerance"),
+    [
+        ("exp2(x)", np.exp2, -20.0, 20.0, 2e-5), ("log2(x)", np.log2, 1e-6, 1e6, 2e-5),
+        ("exp(x)", np.exp, -20.0, 20.0, 2e-5), ("sqrt(x)", np.sqrt, 1e-12, 1e12, 1e-6),
+        ("inversesqrt(x)", lambda x: x**-0.5, 1e-12, 1e12, 1e-6),
+        ("pow(x, 1.0 / 2.4)", lambda x: x ** (1.0 / 2.4), 1e-4, 100.0, 2e-5),
+        ("atan(x)", np.arctan, -50.0, 50.0, 1e-4), ("sin(x)", np.sin, -6.0, 6.0, 2e-4),
+        ("cos(x)", np.cos, -6.0, 6.0, 2e-4),
+    ],
+)  # fmt: skip
+def test_transcendentals_of_this_device(
+    probe: ShaderProbe, code: str, twin: Any, low: float, high: float, tolerance: float
+) -> None:
+    """What the shaders build on is as exact as they take it for: of values near 0 the error is absolute."""
+    x = np.linspace(low, high, 20_000).astype(np.float32)
+    if low > 0.0:
+        x = np.geomspace(low, high, 20_000).astype(np.float32)
+    got = probe(f"result.x = {code};", x=x)[:, 0].astype(np.float64)
+    expected = twin(x.astype(np.float64))
+    error = np.abs(got - expected) / np.maximum(
+        np.abs(expected), 1.0 if code.startswith(("sin", "cos", "log")) else 1e-30
+    )
+    assert error.max() < tolerance, f"{code}: {error.max():.2e} at {x[error.argmax()]:g}"
 
 
 @pytest.mark.gl

@@ -9,16 +9,20 @@ from pathlib import Path
 
 import pytest
 
+from engine.core.errors import LucarnaError
 from engine.core.paths import shaders_dir
 from engine.gpu.types import Device
+from engine.render import programs
 from engine.render.facts import SceneFacts
+from engine.render.passes.light_volumes import LightVolumesPass
 from engine.render.passes.resolve import ResolvePass
 from engine.render.passes.sky import SkyPass
+from engine.render.passes.tiled_shading import TiledShadingPass
 from engine.render.passes.tone_map import ToneMapPass
 from engine.render.passes.transparent import TransparentPass
 from tests.pruning.compare import pruned_equals_forced
 from tests.pruning.scenes import Body, SceneSpec, write_textures
-from tests.stability import brdf_checks, poison_checks
+from tests.stability import brdf_checks, path_checks, poison_checks
 from tests.support.shader_probe import ShaderProbe
 from tests.support.stage import Stage
 
@@ -135,6 +139,22 @@ def test_a_pass_that_thinks_it_is_not_needed(
     stage.close()
 
 
+@pytest.mark.parametrize(
+    ("path", "broken"), [("deferred", LightVolumesPass), ("tiled-deferred", TiledShadingPass)], ids=lambda v: str(v)
+)
+def test_a_light_pass_that_thinks_it_is_not_needed(
+    gl_device: Device, monkeypatch: pytest.MonkeyPatch, path: str, broken: type
+) -> None:
+    """Caught by test_paths.py::test_every_path_gives_the_same_picture: no light, or no graph at all."""
+    stage = Stage(gl_device)
+    try:
+        monkeypatch.setattr(broken, "needs", lambda self, facts: "planted")
+        with pytest.raises((AssertionError, LucarnaError)):
+            path_checks.paths_agree(stage, path)
+    finally:
+        stage.close()
+
+
 @pytest.mark.parametrize("branch", ["ENVIRONMENT", "SUNS", "LOCAL_LIGHTS"])
 def test_a_branch_compiled_out_wrongly(
     gl_device: Device, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, branch: str
@@ -146,6 +166,9 @@ def test_a_branch_compiled_out_wrongly(
     def without(self: SceneFacts) -> dict[str, int]:
         return sound(self) if self.force_all else {**sound(self), branch: 0}
 
+    if branch == "LOCAL_LIGHTS":  # decided per path
+        local = programs._local_lights
+        monkeypatch.setattr(programs, "_local_lights", lambda s, facts, *r: local(s, facts, *r) * facts.force_all)
     monkeypatch.setattr(SceneFacts, "variant_defines", without)
     stage = Stage(gl_device)
     with pytest.raises(AssertionError, match="pixels differ"):

@@ -26,6 +26,7 @@ from engine.math import quat
 from engine.math.transform import compose
 from engine.render.camera import Camera
 from engine.render.environments import MAX_BRIGHTNESS, usable
+from engine.scene.lights import LIGHT_TYPES
 from engine.scene.scene import Scene
 from tests.stability.rows import covers
 from tests.support.poison import shoot
@@ -182,12 +183,13 @@ def test_absurd_but_finite_transforms_hide_only_themselves(stage: Stage) -> None
 
 @pytest.mark.gl
 @covers("light.bad-values")
-@pytest.mark.parametrize("kind", ["directional", "point", "spot"])
+@pytest.mark.parametrize("kind", LIGHT_TYPES)
 def test_bad_light_values(stage: Stage, kind: str) -> None:
     expected = sound_scene(stage)
     lights = stage.runtime.scene.lights
     for field, value in itertools.product(
-        ["intensity", "range", "color", "outer_angle", "inner_angle"], [math.nan, -1.0, math.inf, 1e8, 1e38]
+        ["intensity", "range", "color", "outer_angle", "inner_angle", "width", "height", "temperature"],
+        [math.nan, -1.0, math.inf, 1e8, 1e38],
     ):
         row = stage.lamp(LightAsset(kind, range=5.0), (0.0, 0.5, 1.0))
         findings = stage.runtime.scene.findings

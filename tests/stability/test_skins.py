@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from engine.animation.morph import target_reach
 from engine.animation.reach import joint_reach
-from engine.assets.mesh import MeshAsset, Skeleton
+from engine.assets.mesh import MeshAsset, MorphTarget, Skeleton
 from engine.assets.primitives import cube, uv_sphere
 from tests.stability.rows import covers
 from tests.support.stage import Stage, front_camera, surface
@@ -84,6 +85,30 @@ def test_absurd_and_flat_joints_spoil_only_what_hangs_on_them(stage: Stage) -> N
         got = picture(stage)
         if scale < 1e100:
             assert (got[:, SIZE[0] // 2 :] == expected).all(), f"joint at {place}, scale {scale}"
+
+
+@covers("pose.morphs")
+def test_absurd_morph_weights_spoil_only_their_mesh(stage: Stage) -> None:
+    """What is not finite counts as 0; what is merely huge may fill the picture with its own mesh, finite."""
+    lit(stage)
+    stage.add(uv_sphere(), surface(base_color=(0.6, 0.5, 0.4, 1)), (0.9, 0.0, 0.0))
+    mesh = cube(0.5)
+    away = np.broadcast_to(np.float32([-0.2, 0.0, 0.0]), (mesh.vertex_count, 3)).copy()
+    mesh.morphs.append(MorphTarget("away", {"position": away}))
+    node = stage.add(mesh, surface(base_color=(0.7, 0.5, 0.3, 1), roughness=0.5), (-0.9, 0.0, 0.0))
+    stage.runtime.scene.morphs.add(node, ["away"], target_reach(mesh.morphs))
+    stage.runtime.update()
+    rest = picture(stage)
+    for weight in (np.nan, np.inf, -np.inf, 0.0):
+        stage.runtime.scene.morphs.set_node(node, [weight])
+        stage.runtime.update()
+        assert (picture(stage) == rest).all(), f"weight {weight}"
+    for weight in (1.0, 1e4, 1e30, 1e300):
+        stage.runtime.scene.morphs.set_node(node, [weight])
+        stage.runtime.update()
+        got = picture(stage)
+        assert (got[:, SIZE[0] // 2 :] == rest[:, SIZE[0] // 2 :]).all(), f"weight {weight}"
+        assert (got != rest).any(), f"weight {weight}"
 
 
 @covers("pose.skin-weights", "pose.singular-scale")

@@ -1,1 +1,1 @@
-"""What experiments stand on: their declaration, the context they run in, the sweep, truths, and shaders over arrays."""
+"""What experiments stand on: declarations, the context they run in, the sweep, scenes, truths, shaders over arrays."""

@@ -16,24 +16,35 @@ from engine.experiments.harness.references import ReferenceCache
 from engine.report.records import Omission
 
 if TYPE_CHECKING:
+    from engine.experiments.harness.scenes import LiveScene
     from engine.experiments.harness.shader_eval import ShaderEval
     from engine.gpu.types import Device
     from engine.render.camera import Camera
     from engine.render.frame import Frame
     from engine.render.view import View
+    from engine.resources.residency import Residency
+    from engine.scene.scene import Scene
 
 Floats = NDArray[np.float32]
 T = TypeVar("T")
 
 
 class OpenScene(Protocol):
-    """A scene on the device."""
+    """A scene on the device, with its tables for those who look at them without one (ray tracing)."""
 
-    name: str
+    @property
+    def name(self) -> str: ...
+    @property
+    def scene(self) -> Scene: ...
+    @property
+    def residency(self) -> Residency: ...
 
     def camera(self, aspect: float) -> Camera: ...
     def render(self, view: View, *, hdr: bool = False) -> Frame: ...
     def explain(self, frame: Frame) -> list[str]: ...
+    def environment_faces(self) -> Floats:
+        """Radiance of what surrounds it as it is drawn, f4[6,n,n,3], before intensity and rotation."""
+
     def close(self) -> None: ...
 
 
@@ -64,7 +75,7 @@ class Tools(Protocol):
 
 @dataclass(slots=True)
 class Context:
-    """One experiment's run. `scenes`: the user's own (--scene)."""
+    """One experiment's run. `scenes`: the user's own (--scene); `live`: the one that is open in an editor."""
 
     device: Device | None = None
     quick: bool = False
@@ -72,9 +83,12 @@ class Context:
     references: ReferenceCache = field(default_factory=ReferenceCache)
     tools: Tools | None = None
     scenes: tuple[Path, ...] = ()
+    live: LiveScene | None = None
     omitted: list[Omission] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
-    scratch: dict[str, Any] = field(default_factory=dict)
+    scratch: dict[Any, Any] = field(default_factory=dict)
+    #: called when the run ends, however it ends: frees what `once` has made
+    closing: list[Callable[[], None]] = field(default_factory=list)
 
     def rng(self, name: str) -> np.random.Generator:
         """A generator of its own for each purpose: adding one does not change another's numbers."""

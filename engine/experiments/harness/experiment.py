@@ -30,12 +30,14 @@ class Outcome:
 class Trial:
     """One setting, ready. `work` is what is timed (None: time says nothing here); `judge` gets what `work` returned.
 
-    `gpu`: `work` submits to the device; the clock waits for it. `close` frees what the trial holds.
+    `gpu`: `work` submits to the device; the clock waits for it. `whole`: `work` waits itself, so that its wall time is
+    that of processor and device together. `close` frees what the trial holds.
     """
 
     work: Callable[[], Any] | None
     judge: Callable[[Any], Outcome]
     gpu: bool = False
+    whole: bool = False
     close: Callable[[], None] | None = None
 
 
@@ -67,7 +69,11 @@ class Experiment:
     `metric`: the error on the vertical axis, a key of Outcome.error. `curve`: the knob that names the lines.
     `problem`: the knob that says what is solved; only points of one problem compete. `also`: further costs, names of
     Outcome.extra, in which a point must be no worse to beat the default. `quick` says which knobs remain in quick mode.
-    `needs`: of "gpu", "tools", "scene", what it cannot do without.
+    `needs`: of "gpu", "tools", "rays", what it cannot do without. `prepare`: makes truths that take long, piece by
+    piece, and tells how much of 1 is done and what comes next.
+    `own_scene`: it measures on the scenes that the caller names, or on the one that is open in an editor.
+    `patience`: so many times the usual budget for timing, where points are many and slow.
+    `advisory`: the default is what one scene is set to, so that a better setting is advice and no defect of ours.
     """
 
     title: str
@@ -84,9 +90,13 @@ class Experiment:
     orders: Sequence[Order] = ()
     quick: Callable[[Knobs], bool] | None = None
     needs: frozenset[str] = frozenset()
+    own_scene: bool = False
+    patience: float = 1.0
+    advisory: bool = False
     timed: str = "cpu"  # cpu | gpu: all points of one experiment on one device
-    noise_floor: Callable[[Context], Floor] | Floor | None = None
+    noise_floor: Callable[[Context], Floor | None] | Floor | None = None
     format_floor: Floor | None = None
+    prepare: Callable[[Context], Iterable[tuple[float, str]]] | None = None
     extremes: Callable[[Context], Iterable[Extreme]] | None = None
     tables: Callable[[Context, Sequence[Point]], Iterable[Table]] | None = None
     step_label: str = ""

@@ -10,7 +10,7 @@ from pathlib import Path
 import engine
 from engine.gpu.types import Device
 
-PACKAGES = ("numpy", "moderngl", "flip-evaluator", "scikit-image")
+PACKAGES = ("numpy", "moderngl-window", "flip-evaluator", "scikit-image", "embreex")
 
 
 def versions() -> dict[str, str]:

@@ -38,13 +38,19 @@ class ReferenceCache:
 
         A truth that is noisy says so in an array `noise_floor` (one number). A damaged file is made anew.
         """
+        found = self.find(name, key, seed=seed)
+        return found if found is not None else self.put(name, key, make(), seed=seed)
+
+    def find(self, name: str, key: Mapping[str, Any], *, seed: int = 0) -> Arrays | None:
+        """The arrays if they are there and sound."""
         path = self.path(name, key, seed)
         self.used[name] = path.stem
-        found = _read(path)
-        if found is not None:
-            return found
-        made = {k: np.asarray(v) for k, v in make().items()}
-        with atomic_path(path) as temporary, temporary.open("wb") as file:
+        return _read(path)
+
+    def put(self, name: str, key: Mapping[str, Any], arrays: Mapping[str, Any], *, seed: int = 0) -> Arrays:
+        """Keep `arrays`; returns them."""
+        made = {k: np.asarray(v) for k, v in arrays.items()}
+        with atomic_path(self.path(name, key, seed)) as temporary, temporary.open("wb") as file:
             np.savez_compressed(file, **made)  # type: ignore[arg-type]  # numpy's stub takes allow_pickle from **kwds
         return made
 

@@ -1,4 +1,7 @@
-"""Finds experiments: every module in engine/experiments with an `EXPERIMENT` is one, named as its file."""
+"""Finds experiments: every module in engine/experiments with an `EXPERIMENT` is one, named as its file.
+
+Packages above the engine bring theirs by `include`: the engine knows only what it is told.
+"""
 
 from __future__ import annotations
 
@@ -7,27 +10,43 @@ import importlib
 import pkgutil
 from collections.abc import Sequence
 
-import engine.experiments
 from engine.core.errors import UsageError
 from engine.experiments.harness.experiment import Experiment
+
+_packages = ["engine.experiments"]
+
+
+def include(package: str) -> None:
+    """Look for experiments in `package`, too."""
+    if package not in _packages:
+        _packages.append(package)
 
 
 def names() -> list[str]:
     """All experiments' names, sorted."""
-    return sorted(m.name for m in pkgutil.iter_modules(engine.experiments.__path__) if not m.ispkg)
+    return sorted(_modules())
+
+
+def _modules() -> dict[str, str]:
+    """Name -> module."""
+    found: dict[str, str] = {}
+    for package in _packages:
+        paths = importlib.import_module(package).__path__
+        found |= {m.name: f"{package}.{m.name}" for m in pkgutil.iter_modules(paths) if not m.ispkg}
+    return found
 
 
 def get(name: str) -> Experiment:
     """The experiment of that name; `-` and `_` are one. Raises UsageError with "did you mean"."""
-    wanted, known = name.replace("-", "_"), names()
+    wanted, known = name.replace("-", "_"), _modules()
     if wanted not in known:
         near = difflib.get_close_matches(wanted, known, 1)
         raise UsageError(
             f"there is no experiment {name!r}",
             hint=f"did you mean {near[0]!r}?" if near else "`lucarna report` lists them",
         )
-    found = importlib.import_module(f"engine.experiments.{wanted}").EXPERIMENT
-    assert isinstance(found, Experiment), f"engine/experiments/{wanted}.py: EXPERIMENT is no Experiment"
+    found = importlib.import_module(known[wanted]).EXPERIMENT
+    assert isinstance(found, Experiment), f"{known[wanted]}: EXPERIMENT is no Experiment"
     return found
 
 

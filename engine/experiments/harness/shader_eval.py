@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from engine.core.errors import InputError
 from engine.core.paths import shaders_dir
 from engine.gpu.preprocess import flatten
-from engine.gpu.types import Bindings, Buffer, ComputePipelineDesc, Device, Pipeline, ShaderSource
+from engine.gpu.types import Bindings, Buffer, ComputePipelineDesc, Device, Pipeline, Sampler, ShaderSource, Texture
 
 #: GLSL type -> (numpy type, components, words from one element to the next in std430)
 TYPES: dict[str, tuple[str, int, int]] = {
@@ -37,10 +37,14 @@ _OUT_BINDING = 7  # eight storage blocks are the least that a device has
 class Dispatch:
     """Inputs on the device and room for the outputs."""
 
-    def __init__(self, device: Device, pipeline: Pipeline, inputs: list[Buffer], output: Buffer, kind: str, n: int):
+    def __init__(
+        self, device: Device, pipeline: Pipeline, inputs: list[Buffer], output: Buffer, kind: str, n: int,
+        textures: Sequence[tuple[Texture, Sampler]] = (),
+    ) -> None:  # fmt: skip
         self._device, self._pipeline, self._inputs, self._output = device, pipeline, inputs, output
         self._kind, self._n = kind, n
-        self._bindings = Bindings(storage={**dict(enumerate(inputs)), _OUT_BINDING: output})
+        storage = {**dict(enumerate(inputs)), _OUT_BINDING: output}
+        self._bindings = Bindings(storage=storage, textures=dict(enumerate(textures)))
 
     def run(self) -> None:
         """Submit; does not wait."""
@@ -65,8 +69,12 @@ class Dispatch:
 class Kernel:
     """A compiled expression."""
 
-    def __init__(self, device: Device, source: ShaderSource, inputs: Mapping[str, str], output: str) -> None:
+    def __init__(
+        self, device: Device, source: ShaderSource, inputs: Mapping[str, str], output: str,
+        textures: Sequence[tuple[Texture, Sampler]] = (),
+    ) -> None:  # fmt: skip
         self._device, self._source, self._inputs, self._output = device, source, dict(inputs), output
+        self._textures = textures
 
     def bind(self, **arrays: ArrayLike) -> Dispatch:
         """Upload one array per input, [n] or [n,k]; all of one length. The caller releases the dispatch."""
@@ -82,7 +90,7 @@ class Kernel:
         pipeline = self._device.compute_pipeline(ComputePipelineDesc("shader eval", self._source))
         buffers = [self._device.buffer(p, label=name) for p, name in zip(packed, self._inputs, strict=True)]
         output = self._device.buffer(n * TYPES[self._output][2] * 4, label="outputs")
-        return Dispatch(self._device, pipeline, buffers, output, self._output, n)
+        return Dispatch(self._device, pipeline, buffers, output, self._output, n, self._textures)
 
     def __call__(self, **arrays: ArrayLike) -> NDArray[Any]:
         """Evaluate once: upload, run, read, free."""
@@ -103,18 +111,22 @@ class ShaderEval:
     def kernel(
         self, expression: str, inputs: Mapping[str, str], output: str, *, include: Sequence[str] = (),
         functions: str = "", defines: Mapping[str, str | int] | None = None,
+        textures: Mapping[str, tuple[Texture, Sampler]] | None = None,
     ) -> Kernel:  # fmt: skip
         """A kernel that writes `expression` (GLSL over the names in `inputs`: name -> GLSL type) as `output` type.
 
-        `include`: files of shaders/. `functions`: GLSL in front. At most seven inputs. Raises ShaderError.
+        `include`: files of shaders/. `functions`: GLSL in front. `textures`: sampler2D by name, which stay the
+        caller's. At most seven inputs. Raises ShaderError.
         """
         assert len(inputs) <= _OUT_BINDING, "a compute shader has eight storage blocks at least, no more for sure"
-        text = _source(expression, inputs, output, include, functions)
+        textures = textures or {}
+        samplers = [f"layout(binding = {i}) uniform sampler2D {name};" for i, name in enumerate(textures)]
+        text = _source(expression, inputs, output, include, "\n".join([*samplers, functions]))
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "eval.comp"
             path.write_text(text, "utf-8")
             source = flatten(path, "compute", search=[shaders_dir()], defines={**NO_DERIVATIVES, **(defines or {})})
-        return Kernel(self._device, source, inputs, output)
+        return Kernel(self._device, source, inputs, output, tuple(textures.values()))
 
 
 def _source(expression: str, inputs: Mapping[str, str], output: str, include: Sequence[str], functions: str) -> str:

@@ -4,63 +4,101 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from engine.core.errors import LucarnaError, UsageError
+from engine.core.errors import LucarnaError
 from engine.experiments.harness.clock import GpuClock
 from engine.experiments.harness.context import Context
-from engine.experiments.harness.experiment import Experiment, Knobs, Order, Outcome, Trial
+from engine.experiments.harness.experiment import Experiment, Knobs, Outcome, Trial
 from engine.experiments.harness.provenance import machine_name
-from engine.report.front import pareto_front
-from engine.report.interleave import interleaved, wall_clock
-from engine.report.interval import ratio_interval
-from engine.report.order import fit_order
-from engine.report.records import Extreme, Floor, Omission, OrderResult, Picture, Point, Profile, Result, Timing
+from engine.experiments.harness.verdict import find, mark_front, of_order, order_result
+from engine.report.interleave import one_by_one, wall_clock
+from engine.report.records import Extreme, Floor, Omission, Picture, Point, Profile, Result, Timing
 from engine.report.summary import summarise
 
 #: rounds and seconds of timing: (quick, full)
 REPEATS, BUDGET_S = (11, 31), (2.5, 20.0)
-#: a point this much less wrong, and surely no slower, beats the default
-CLEARLY_LESS = 0.98
+__all__ = ["Progress", "Step", "find", "knob_text", "run_experiment", "steps"]
 
 Progress = Callable[[str], None]
 
 
+@dataclass(frozen=True, slots=True)
+class Step:
+    """Where a run stands: `done` of 1, what comes next, and the points that are judged so far."""
+
+    done: float
+    text: str
+    points: Sequence[Point] = ()
+
+
+#: pictures side by side: one, its truth, where they differ
+ROW = 3
+
+#: parts of the progress bar: making truths, judging, timing
+PREPARED, JUDGED, TIMED = 0.3, 0.65, 0.95
+
+
 def run_experiment(name: str, experiment: Experiment, ctx: Context, progress: Progress | None = None) -> Result:
     """Run one experiment. What cannot run is an omission with its reason; nothing is dropped silently."""
+    run = steps(name, experiment, ctx)
+    while True:
+        try:
+            step = next(run)
+        except StopIteration as stop:
+            result: Result = stop.value
+            return result
+        if progress is not None:
+            progress(step.text)
+
+
+def steps(name: str, experiment: Experiment, ctx: Context) -> Generator[Step, None, Result]:
+    """The run of one experiment with a pause after each of its parts (a slice of a truth, a setting judged, a run
+    timed), for who draws pictures in between. Closing the generator gives up and frees what the trials hold."""
     started = time.perf_counter()
-    say = progress or (lambda text: None)
     result = _empty(name, experiment, ctx)
     reason = _missing(experiment, ctx)
     if reason:
         result.omitted.append(Omission("the whole experiment", reason))
         return result
-    points, trials = _judge_all(experiment, ctx, say, result)
+    trials: list[Trial] = []
     try:
-        say("timing")
-        _time_all(points, trials, experiment, ctx)
+        yield from _measure(experiment, ctx, result, trials)
+    except LucarnaError as error:  # what made all of it impossible: a truth, the scene
+        ctx.omit("the whole experiment", str(error))
+        result.points.clear()
     finally:
-        for trial in trials:
-            if trial.close is not None:
-                trial.close()
-    result.points = points
-    _mark_front(result, experiment.problem, experiment.also)
+        for close in (*(t.close for t in trials if t.close is not None), *ctx.closing):
+            close()
+    result.omitted += ctx.omitted
+    result.references = dict(sorted(ctx.references.used.items()))
+    result.note = " ".join([experiment.note, *ctx.notes]).strip()
+    result.seconds = time.perf_counter() - started
+    return result
+
+
+def _measure(experiment: Experiment, ctx: Context, result: Result, trials: list[Trial]) -> Iterator[Step]:
+    points = result.points
+    for part, text in experiment.prepare(ctx) if experiment.prepare is not None else ():
+        yield Step(PREPARED * part, text)
+    for part, text in _judge_all(experiment, ctx, result, points, trials):
+        yield Step(PREPARED + (JUDGED - PREPARED) * part, text, points)
+    for part in _time_all(points, trials, experiment, ctx):
+        yield Step(JUDGED + (TIMED - JUDGED) * part, "timing", points)
+    mark_front(result, experiment.problem, experiment.also)
     result.noise_floor = _floor(experiment.noise_floor, ctx)
     floor = result.noise_floor.value if result.noise_floor else 0.0
-    result.orders = [_order(experiment, order, points, floor) for order in experiment.orders]
-    say("extreme cases")
+    result.orders = [order_result(experiment, order, points, floor) for order in experiment.orders]
+    yield Step(TIMED, "extreme cases", points)
     result.extremes = _extremes(experiment, ctx)
     try:
         result.tables = list(experiment.tables(ctx, points)) if experiment.tables else []
     except LucarnaError as error:
         ctx.omit("tables", str(error))
-    result.omitted += ctx.omitted
-    result.note = " ".join([experiment.note, *ctx.notes]).strip()
-    result.seconds = time.perf_counter() - started
-    return result
 
 
 def _empty(name: str, experiment: Experiment, ctx: Context) -> Result:
@@ -71,7 +109,8 @@ def _empty(name: str, experiment: Experiment, ctx: Context) -> Result:
         points=[], seed=ctx.seed,
         timed_on=ctx.device.caps.device if on_gpu and ctx.device is not None else machine_name(),
         format_floor=experiment.format_floor, step_label=experiment.step_label,
-        profile_label=experiment.profile_label, time_label=experiment.time_label,
+        profile_label=experiment.profile_label, time_label=experiment.time_label, advisory=experiment.advisory,
+        problem=experiment.problem,
     )  # fmt: skip
 
 
@@ -80,37 +119,49 @@ def _missing(experiment: Experiment, ctx: Context) -> str:
         return "it needs a graphics device, and there is none (see `lucarna doctor`)"
     if "tools" in experiment.needs and ctx.tools is None:
         return "it needs the importers: run it by `lucarna report`"
+    if "rays" in experiment.needs:
+        from engine.experiments.truth.rays import missing
+
+        return missing()
     return ""
 
 
-def _judge_all(experiment: Experiment, ctx: Context, say: Progress, result: Result) -> tuple[list[Point], list[Trial]]:
+def _judge_all(
+    experiment: Experiment, ctx: Context, result: Result, points: list[Point], trials: list[Trial]
+) -> Iterator[tuple[float, str]]:
     settings = list(experiment.knobs(ctx) if callable(experiment.knobs) else experiment.knobs)
     if ctx.quick and experiment.quick is not None:
         left = [k for k in settings if not experiment.quick(k)]
         settings = [k for k in settings if experiment.quick(k)]
         if left:
             ctx.omit(f"{len(left)} of {len(left) + len(settings)} settings", "quick mode: " + _list(left))
-    points: list[Point] = []
-    trials: list[Trial] = []
     for i, knobs in enumerate(settings):
-        say(f"{i + 1}/{len(settings)} {knob_text(knobs)}")
+        yield i / len(settings), f"{i + 1}/{len(settings)} {knob_text(knobs)}"
         try:
             trial = experiment.run(ctx, knobs)
+        except LucarnaError as error:
+            ctx.omit(knob_text(knobs), str(error))
+            continue
+        try:
             outcome = trial.judge(trial.work() if trial.work is not None else None)
         except LucarnaError as error:
             ctx.omit(knob_text(knobs), str(error))
+            if trial.close is not None:
+                trial.close()
             continue
         trials.append(trial)
         points.append(_point(experiment, knobs, outcome))
         if outcome.pictures:
-            result.pictures.append([Picture(p.caption, p.pixels) for p in outcome.pictures])
-    return points, trials
+            row = [Picture(p.caption, p.pixels) for p in outcome.pictures]
+            result.pictures += [row[i : i + ROW] for i in range(0, len(row), ROW)]
 
 
 def _point(experiment: Experiment, knobs: Knobs, outcome: Outcome) -> Point:
     error = {name: float(value) for name, value in outcome.error.items()}
     x, y = zip(*outcome.profile, strict=True) if outcome.profile else ((), ())
-    step = next((o.step(knobs) for o in experiment.orders if o.step is not None and _of(o, experiment, knobs)), None)
+    step = next(
+        (o.step(knobs) for o in experiment.orders if o.step is not None and of_order(o, experiment, knobs)), None
+    )
     return Point(
         knobs=dict(knobs), curve=str(knobs.get(experiment.curve, "")), error=error,
         status="ok" if math.isfinite(error[experiment.metric]) else "nan", step=step,
@@ -119,7 +170,7 @@ def _point(experiment: Experiment, knobs: Knobs, outcome: Outcome) -> Point:
     )  # fmt: skip
 
 
-def _time_all(points: list[Point], trials: list[Trial], experiment: Experiment, ctx: Context) -> None:
+def _time_all(points: list[Point], trials: list[Trial], experiment: Experiment, ctx: Context) -> Iterator[float]:
     at = [i for i, trial in enumerate(trials) if trial.work is not None]
     if not at:
         return
@@ -127,88 +178,19 @@ def _time_all(points: list[Point], trials: list[Trial], experiment: Experiment, 
     clocks = [gpu if trials[i].gpu and gpu is not None else wall_clock for i in at]
     works = [work for i in at if (work := trials[i].work) is not None]
     which = 0 if ctx.quick else 1
-    samples = interleaved(works, repeats=REPEATS[which], budget_s=BUDGET_S[which], clocks=clocks)
+    samples: list[list[float]] = [[] for _ in works]
+    yield from one_by_one(
+        works, samples, repeats=REPEATS[which], budget_s=BUDGET_S[which] * experiment.patience, clocks=clocks
+    )
     for i, times in zip(at, samples, strict=True):
         summary = summarise(times)
-        kind = gpu.kind if trials[i].gpu and gpu is not None else "cpu"
+        kind = gpu.kind if trials[i].gpu and gpu is not None else "wall" if trials[i].whole else "cpu"
         points[i].samples = times
         low, high = (float(v) for v in np.percentile(times, (25.0, 75.0)))
         points[i].ms = Timing(summary.median, summary.iqr, summary.n, kind, low, high)
 
 
-def _mark_front(result: Result, problem: str, also: Sequence[str]) -> None:
-    """Fronts are among points that solve the same problem."""
-    by_problem: dict[str, list[Point]] = {}
-    for point in result.points:
-        if point.ms is not None:
-            by_problem.setdefault(str(point.knobs.get(problem, "")), []).append(point)
-    for same in by_problem.values():
-        error = [p.error[result.metric] for p in same]
-        for point, on in zip(same, pareto_front([p.ms.median for p in same if p.ms], error), strict=True):
-            point.front = bool(on)
-    default = find(result.points, result.default)
-    if default is None or default.ms is None or default.status != "ok":
-        return
-    timed = by_problem[str(default.knobs.get(problem, ""))]
-    beaten = next((p for p in timed if p is not default and _beats(p, default, result.metric, also)), None)
-    result.default_on_front = beaten is None
-    result.beaten_by = dict(beaten.knobs) if beaten is not None else None
-
-
-def _beats(point: Point, default: Point, metric: str, also: Sequence[str]) -> bool:
-    """Whether with 95 % confidence `point` is faster with no more error, or less wrong and no slower; in either case
-    at no more of the other costs."""
-    if point.status != "ok" or any(point.extra[name] > default.extra[name] for name in also):
-        return False
-    mine, theirs = default.error[metric], point.error[metric]
-    if theirs > mine:
-        return False
-    ratio = ratio_interval(point.samples, default.samples)
-    if theirs < CLEARLY_LESS * mine:
-        return ratio.high <= 1.0
-    return ratio.high < CLEARLY_LESS
-
-
-def find(points: Sequence[Point], knobs: Knobs) -> Point | None:
-    """The point with these knobs (all of the given ones equal)."""
-    return next((p for p in points if all(p.knobs.get(k) == v for k, v in knobs.items())), None)
-
-
-def _of(order: Order, experiment: Experiment, knobs: Knobs) -> bool:
-    curve = order.curve or str(experiment.default.get(experiment.curve, ""))
-    return str(knobs.get(experiment.curve, "")) == curve
-
-
-def _order(experiment: Experiment, order: Order, points: Sequence[Point], floor: float) -> OrderResult:
-    curve = order.curve or str(experiment.default.get(experiment.curve, ""))
-    source = None
-    if order.step is not None:
-        mine = [p for p in points if p.curve == curve and p.status == "ok"]
-        x = [order.step(p.knobs) for p in mine]
-        y = [p.error[experiment.metric] for p in mine]
-    else:
-        source = find(points, order.point if order.point is not None else experiment.default)
-        profile = source.profile if source is not None else None
-        x, y = (list(profile.x), list(profile.y)) if profile else ([], [])
-        curve = source.curve if source is not None else curve
-    kept = [(a, b) for a, b in zip(x, y, strict=True) if order.between[0] <= a <= order.between[1]]
-    # twice the floor: nearer than that the floor bends the line
-    above = max(order.above, 2.0 * floor if order.step is not None else 0.0)
-    observed, constant = None, 0.0
-    try:
-        fit = fit_order([a for a, _ in kept], [b for _, b in kept], floor=above)
-        observed, constant = fit.slope, fit.constant
-    except UsageError:
-        pass  # too few points above the floors: the record says None
-    span = (min(a for a, _ in kept), max(a for a, _ in kept)) if kept else (0.0, 0.0)
-    return OrderResult(
-        curve=curve, expected=order.expected, observed=observed, tolerance=order.tolerance, label=order.label,
-        over=order.over, constant=constant, from_profile=order.step is None, cost=order.cost, span=span,
-        knobs=dict(source.knobs) if source is not None else {},
-    )  # fmt: skip
-
-
-def _floor(floor: Callable[[Context], Floor] | Floor | None, ctx: Context) -> Floor | None:
+def _floor(floor: Callable[[Context], Floor | None] | Floor | None, ctx: Context) -> Floor | None:
     if floor is None or isinstance(floor, Floor):
         return floor
     return floor(ctx)

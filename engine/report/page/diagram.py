@@ -7,7 +7,7 @@ import math
 from collections.abc import Sequence
 
 from engine.report.page.svg import COLORS, Figure, figure, marker
-from engine.report.page.text import escape, knobs, milliseconds, scientific
+from engine.report.page.text import escape, knobs, milliseconds, plain, scientific
 from engine.report.records import Floor, OrderResult, Point, Result
 
 _DASHES = ("", "6 3", "2 3", "9 3 2 3")
@@ -37,7 +37,9 @@ def work_precision(result: Result) -> str:
     fig.frame(f"{result.time_label} (ms)", f"{result.metric.replace('_', ' ')} ({result.unit})")
     _floors(fig, floors)
     _reference_slope(fig, result, shown)
-    _front(fig, [p for p in shown if p.front], result.metric)
+    for problem in dict.fromkeys(str(p.knobs.get(result.problem, "")) for p in shown):
+        same = [p for p in shown if p.front and str(p.knobs.get(result.problem, "")) == problem]
+        _front(fig, same, result.metric)
     for name in names:
         mine = sorted((p for p in shown if p.curve == name and p.step is not None), key=lambda p: p.step or 0.0)
         if len(mine) > 1:
@@ -47,7 +49,7 @@ def work_precision(result: Result) -> str:
         fig.reserve(fig.x(_ms(point)), fig.y(point.error[result.metric]), 5)
     for point in points:
         _point(fig, result, point, names.index(point.curve))
-    labels = [(p, knobs(p.knobs, _curve_knob(result))) for p in sorted(shown, key=lambda p: not p.front)]
+    labels = [(p, _label(p, result)) for p in sorted(shown, key=lambda p: not p.front)]
     for point, text in labels:
         if text:
             fig.note(fig.x(_ms(point)), fig.y(point.error[result.metric]), text)
@@ -116,7 +118,7 @@ def profile(result: Result) -> str:
                     fig.add(marker(names.index(name), fig.x(x), fig.y(y), f"dot {css}", 3.0))
                 elif not math.isfinite(y):
                     _cross(fig, fig.x(x), css, f"{name}: not finite")
-            rest = knobs(point.knobs, _curve_knob(result))
+            rest = _label(point, result)
             end = next(((x, y) for x, y in reversed(line) if _drawable(y)), None)
             if rest and end and sum(p.curve == name for p in shown) > 1:
                 fig.note(fig.x(end[0]), fig.y(end[1]), rest)
@@ -152,6 +154,14 @@ def _curve_knob(result: Result) -> str:
             if str(value) == point.curve:
                 return name
     return ""
+
+
+def _label(point: Point, result: Result) -> str:
+    """The knobs that tell a point from others of its curve; those that are the same everywhere tell nothing."""
+    curve = _curve_knob(result)
+    differs = [k for k in point.knobs if k != curve and len({str(p.knobs.get(k)) for p in result.points}) > 1]
+    values = [point.knobs[k] for k in differs]
+    return plain(values[0]) if len(values) == 1 else knobs({k: point.knobs[k] for k in differs})
 
 
 def _point(fig: Figure, result: Result, point: Point, curve: int) -> None:

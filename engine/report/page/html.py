@@ -42,6 +42,8 @@ def _meta(report: Report) -> str:
 
 def _section(index: int, result: Result) -> str:
     about = {"Method": result.method, "Truth": result.truth, "Timed on": result.timed_on}
+    if result.references:
+        about["References"] = ", ".join(result.references.values())
     rows = "".join(f"<dt>{k}</dt><dd>{escape(v)}</dd>" for k, v in about.items())
     parts = [
         f'<section id="{escape(result.name)}">',

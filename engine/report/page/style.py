@@ -35,7 +35,7 @@ section{border-top:1px solid var(--rule);padding-top:30px;margin-top:46px}
 dl.about{display:grid;grid-template-columns:78px 1fr;gap:3px 14px;margin:0 0 16px;font-size:15px;max-width:96ch}
 dl.about dt{color:var(--faint);font-size:12.5px;padding-top:3px} dl.about dd{margin:0}
 .figures{display:grid;grid-template-columns:repeat(auto-fit,minmax(420px,1fr));gap:18px 26px;margin:10px 0 4px}
-figure{margin:0;break-inside:avoid}
+figure{margin:0;break-inside:avoid} .figures figure{max-width:600px}
 figcaption{font-size:12.5px;line-height:1.45;color:var(--soft);margin-top:4px}
 figcaption b{color:var(--ink);font-weight:600}
 svg{display:block;width:100%;height:auto}
@@ -50,7 +50,7 @@ code{font:12.5px/1.4 "JetBrains Mono","SF Mono",Consolas,"DejaVu Sans Mono",mono
  padding:1px 4px;border-radius:3px}
 .good{color:var(--good)} .bad{color:var(--bad)} .soft{color:var(--soft)}
 ul.plain{margin:0;padding:0;list-style:none;font-size:14px} ul.plain li{padding:2px 0}
-.pictures{display:flex;flex-wrap:wrap;gap:10px 14px;margin:8px 0 4px} .pictures figure{max-width:240px}
+.pictures{display:flex;flex-wrap:wrap;gap:10px 14px;margin:8px 0 4px} .pictures figure{width:240px}
 .pictures img{display:block;width:100%;height:auto;image-rendering:pixelated;border:1px solid var(--rule)}
 a{color:inherit;text-decoration-color:var(--faint);text-underline-offset:2px}
 .note{max-width:96ch;font-size:15px;margin:10px 0}
@@ -72,7 +72,7 @@ svg .note{paint-order:stroke;stroke:var(--plot);stroke-width:3px;
     + "".join(f".c{i}{{--c:var(--k{i})}}" for i in range(7))
     + """
 @media (max-width:560px){body{padding:28px 16px 64px}.figures{grid-template-columns:1fr}}
-@media print{:root{color-scheme:light}@page{margin:16mm 14mm}
+@media print{:root{color-scheme:light}@page{margin:16mm 14mm} html,body{background:none}
  body{max-width:none;padding:0;font-size:10.5pt} section{break-inside:auto;margin-top:26px;padding-top:18px}
  h2,h3,dl.about{break-after:avoid} tr,figure{break-inside:avoid} .scroll{overflow:visible}
  .figures{grid-template-columns:1fr 1fr} table{font-size:8.5pt} a{text-decoration:none}}

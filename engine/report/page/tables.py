@@ -72,6 +72,8 @@ def front_text(result: Result) -> str:
         return '<span class="soft">not judged</span>'
     if result.default_on_front:
         return '<span class="good">✓ yes</span>'
+    if result.advisory:
+        return f'<span class="soft">better here: {escape(knobs(result.beaten_by or {}))}</span>'
     return f'<span class="bad">✗ beaten by {escape(knobs(result.beaten_by or {}))}</span>'
 
 

@@ -45,9 +45,9 @@ def milliseconds(value: float) -> str:
 
 
 def knobs(values: Mapping[str, Any], without: str = "") -> str:
-    """`size 64, form cross`, or the value alone where there is only one."""
-    shown = {k: v for k, v in values.items() if k != without}
-    if len(shown) == 1:
+    """`size 64, form cross`, or the value alone where there is only one that speaks for itself."""
+    shown = {k: v for k, v in values.items() if k != without and v != ""}
+    if len(shown) == 1 and isinstance(next(iter(shown.values())), str):
         return plain(next(iter(shown.values())))
     return ", ".join(f"{k} {plain(v)}" for k, v in shown.items())
 

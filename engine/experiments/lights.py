@@ -1,0 +1,269 @@
+"""Many lights: the time of each render path and each way of culling against the number of lights, in two scenes.
+
+The truth is the forward path, in which every pixel adds every light: all others must give its picture to the bit. Up
+to 1,024 lights the samples' own; beyond, each light reaches less far, so that a pixel goes on needing about as many and
+the slope is that of the method and not of the scene's brightness.
+
+After a full run the costs are fitted and kept for this device: `--path auto` chooses by them.
+"""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.assets.samples import SAMPLES
+from engine.experiments.harness.context import Context
+from engine.experiments.harness.experiment import Experiment, Knobs, Outcome, Trial
+from engine.experiments.harness.pictures import beside_truth
+from engine.gpu.types import Device
+from engine.render.camera import Camera
+from engine.render.gbuffer import bytes_per_pixel
+from engine.render.lighting import PATHS
+from engine.render.paths.cost import fit, save
+from engine.render.renderer import Renderer
+from engine.render.settings import RenderSettings
+from engine.render.view import View
+from engine.report.metrics import max_error, rmse
+from engine.report.records import Point, Table
+from engine.resources.residency import Residency
+from engine.resources.samples import sample_scene
+from engine.scene.scene import Scene
+
+COUNTS = (1, 8, 32, 64, 100, 128, 256, 512, 1024, 4096, 16384, 65536, 100_000)
+QUICK_COUNTS = (8, 256)
+#: each pixel adds every light: no more than so many are waited for
+MOST_FORWARD = 128
+#: the classic path, on a software rasteriser
+MOST_VOLUMES = 16384
+#: beside the default: tile, test, depth
+WAYS = {
+    "tiles of 8": {"light_tile": "8"}, "tiles of 32": {"light_tile": "32"},
+    "planes only": {"light_test": "planes", "light_depth": "range"}, "boxes": {"light_depth": "range"},
+    "cones": {"light_test": "cone"}, "clusters": {"light_depth": "clusters"},
+}  # fmt: skip
+WAYS_AT = 1024
+#: the thesis's form of deferred lighting, an approximation: its error is not 0
+THREE_PASS = "deferred, three passes"
+
+
+@dataclass(slots=True)
+class Lit:
+    """A sample on the device."""
+
+    residency: Residency
+    scene: Scene
+    renderer: Renderer
+    camera: Camera
+
+    def close(self) -> None:
+        self.renderer.release()
+        self.residency.effects.release()
+        self.residency.release()
+
+
+def knobs(ctx: Context) -> list[dict[str, Any]]:
+    counts = QUICK_COUNTS if ctx.quick else COUNTS
+    found: list[dict[str, Any]] = []
+    for scene in SAMPLES:
+        for count in counts:
+            for path in ("auto", *PATHS):
+                if (path == "forward" and count > MOST_FORWARD) or (path == "deferred" and count > MOST_VOLUMES):
+                    continue
+                found.append({"method": path, "scene": scene, "lights": count, "problem": f"{scene} {count}"})
+        if not ctx.quick:
+            same = {"scene": scene, "lights": WAYS_AT, "problem": f"{scene} {WAYS_AT}"}
+            found += [{"method": f"forward-plus, {way}", **same} for way in WAYS]
+            found.append({"method": THREE_PASS, **same})
+    ctx.omit(f"forward above {MOST_FORWARD} lights, deferred above {MOST_VOLUMES}", "seconds a frame on two cores")
+    return found
+
+
+def size(ctx: Context) -> tuple[int, int]:
+    return (160, 90) if ctx.quick else (640, 360)
+
+
+def lit(ctx: Context, scene: str, lights: int) -> Lit:
+    """The sample with a renderer of its own, kept for the run: going from scene to scene would be timed, too."""
+    held: dict[tuple[str, int], Lit] = ctx.scratch.setdefault("lit", {})
+    key = (scene, lights)
+    if key not in held:
+        device = _device(ctx)
+        build = importlib.import_module(SAMPLES[scene][0]).build
+        reach = min(1.0, (1024 / max(lights, 1)) ** (1.0 / 3.0))
+        residency = Residency(device)
+        made = sample_scene(build(lights, 1, reach), residency)
+        cameras = made.cameras
+        camera = Camera.from_asset(cameras.asset(0), made.nodes.world_matrix(int(cameras.node[0])))
+        held[key] = Lit(residency, made, Renderer(device, residency, profile=False), camera)
+        ctx.closing.append(held[key].close)
+    return held[key]
+
+
+def view(ctx: Context, at: Lit, method: str, **more: Any) -> View:
+    path, _, way = method.partition(", ")
+    form = "three-pass" if method == THREE_PASS else "exact"
+    settings = RenderSettings(samples=1, path=path, light_form=form, **WAYS.get(way, {}), **more)
+    return View(at.camera, *size(ctx), settings)
+
+
+def run(ctx: Context, chosen: Knobs) -> Trial:
+    at = lit(ctx, chosen["scene"], int(chosen["lights"]))
+    device, seen = _device(ctx), view(ctx, at, str(chosen["method"]))
+
+    def work() -> None:
+        at.renderer.render(at.scene, seen)
+        device.finish()
+
+    return Trial(work, lambda _: _judge(ctx, at, chosen), gpu=True)
+
+
+def _judge(ctx: Context, at: Lit, chosen: Knobs) -> Outcome:
+    method, key = str(chosen["method"]), (chosen["scene"], int(chosen["lights"]))
+    truths: dict[Any, NDArray[np.float32]] = ctx.scratch.setdefault("truths", {})
+    # where the forward path is too slow to wait for, the deferred one, in which no list can miss a light, stands for it
+    if key not in truths:
+        truth = "forward" if key[1] <= MOST_FORWARD else "deferred" if key[1] <= MOST_VOLUMES else "tiled-deferred"
+        truths[key] = _picture(at, view(ctx, at, truth))
+    picture = _picture(at, view(ctx, at, method))
+    frame = at.renderer.render(at.scene, view(ctx, at, method, light_stats=True))
+    counters = frame.stats.counters
+    stats = at.renderer.light_lists.read(wait=True) if frame.facts.lighting.path != "forward" else None
+    extra: dict[str, Any] = {"light list bytes": int(counters.get("light_list_bytes", 0))}
+    if stats is not None and stats.needed >= 0:
+        extra |= {
+            "tested per tile": stats.tested / stats.tiles, "kept per tile": stats.kept / stats.tiles,
+            "needed per tile": stats.needed / stats.tiles, "lists without room": stats.overflow,
+            "needed per pixel": stats.in_pixels / (frame.color.desc.width * frame.color.desc.height),
+        }  # fmt: skip
+    if frame.facts.lighting.deferred:
+        extra["G-buffer bytes per pixel"] = bytes_per_pixel(frame.facts.lighting.gbuffer) + 4
+    pictures = []
+    if method == "forward-plus" and key[1] in (QUICK_COUNTS[-1], 1024):
+        shown = np.asarray(frame.color.read(), np.uint8)[..., :3].copy()
+        heat = at.renderer.render(at.scene, view(ctx, at, method, view="light_tiles"))
+        tiles = np.asarray(heat.color.read(), np.uint8)[..., :3].copy()
+        pictures = beside_truth(ctx, f"{key[0]}, {key[1]} lights", shown, "lights per tile", tiles)
+    extra["path"] = frame.facts.lighting.path
+    error = {"max_difference": max_error(picture, truths[key]), "rmse": rmse(picture, truths[key])}
+    return Outcome(error, extra=extra, pictures=pictures)
+
+
+def _picture(at: Lit, seen: View) -> NDArray[np.float32]:
+    frame = at.renderer.render(at.scene, seen, hdr=True)
+    assert frame.hdr is not None, "asked for"
+    return np.asarray(frame.hdr.read(), np.float32).copy()
+
+
+def _device(ctx: Context) -> Device:
+    assert ctx.device is not None, "the experiment needs a device"
+    return ctx.device
+
+
+def tables(ctx: Context, points: Sequence[Point]) -> Iterator[Table]:
+    """Time against count per path, the slopes and crossovers, and what each way of culling keeps."""
+    width, height = size(ctx)
+    times = {
+        (p.knobs["scene"], p.knobs["method"], int(p.knobs["lights"])): p.ms.median for p in points if p.ms is not None
+    }
+    counts = sorted({key[2] for key in times})
+    for scene in SAMPLES:
+        rows = [[f"{n:,}", *(_ms(times.get((scene, path, n))) for path in ("auto", *PATHS))] for n in counts]
+        head, found = ["lights", "auto", *PATHS], _findings(times, scene, counts)
+        yield Table(f"{scene}: ms a frame at {width}x{height}", head, rows, found)
+        kept = [
+            [
+                p.knobs["method"], f"{int(p.knobs['lights']):,}", *(f"{p.extra[name]:.2f}" for name in KEPT),
+                f"{p.extra['kept per tile'] / max(p.extra['needed per tile'], 1e-9):.2f}",
+                _ms(p.ms.median if p.ms is not None else None),
+            ]
+            for p in points if p.knobs["scene"] == scene and KEPT[0] in p.extra
+        ]  # fmt: skip
+        yield Table(
+            f"{scene}: lights per tile", ["method", "lights", *KEPT, "kept / needed", "ms"], kept,
+            "Needed: reaches at least one pixel of the tile with its range and cone.",
+        )  # fmt: skip
+    if not ctx.quick and ctx.device is not None:
+        measured = [(method, n, width * height, ms) for (_, method, n), ms in times.items() if n <= 4096]
+        small = _small_times(ctx)
+        model = fit([*measured, *small], f"fit of {len(measured) + len(small)} measurements on this device")
+        ctx.notes.append(f"The fitted costs are kept in {save(model, ctx.device.caps).name} for --path auto.")
+
+
+KEPT = ("tested per tile", "kept per tile", "needed per tile", "needed per pixel")
+
+
+def _small_times(ctx: Context) -> list[tuple[str, int, int, float]]:
+    """A few frames of another size, so that the fit can tell pixels from lights."""
+    import time
+
+    device, found = _device(ctx), []
+    at = lit(ctx, "atrium", 64)
+    for path in PATHS:
+        seen = View(at.camera, 160, 90, RenderSettings(samples=1, path=path))
+        taken = []
+        for _ in range(6):
+            start = time.perf_counter()
+            at.renderer.render(at.scene, seen)
+            device.finish()
+            taken.append((time.perf_counter() - start) * 1e3)
+        found.append((path, 64, 160 * 90, float(np.median(taken[1:]))))
+    return found
+
+
+def _findings(times: dict[tuple[str, str, int], float], scene: str, counts: list[int]) -> str:
+    """What the thesis claims of the paths, as it came out here."""
+    lines = []
+    for other in ("tiled-deferred", "forward-plus"):
+        faster = [n for n in counts if _both(times, scene, "deferred", other, n)]
+        first = next((n for n in faster if times[scene, other, n] < times[scene, "deferred", n]), None)
+        lines.append(f"{other} beats deferred from {first:,} lights on" if first else f"{other} never beats deferred")
+    both = [n for n in counts if _both(times, scene, "forward-plus", "tiled-deferred", n)]
+    wins = [n for n in both if times[scene, "forward-plus", n] < times[scene, "tiled-deferred", n]]
+    lines.append(f"forward-plus is faster than tiled-deferred at {len(wins)} of {len(both)} counts")
+    slopes = {path: _slope(times, scene, path, counts) for path in PATHS[1:]}
+    told = ", ".join(f"{path} {slope * 1e3:.3g}" for path, slope in slopes.items() if slope is not None)
+    return "; ".join(lines) + f". Microseconds per light added past 1,024: {told or 'not measured'}."
+
+
+def _both(times: dict[tuple[str, str, int], float], scene: str, a: str, b: str, n: int) -> bool:
+    return (scene, a, n) in times and (scene, b, n) in times
+
+
+def _slope(times: dict[tuple[str, str, int], float], scene: str, path: str, counts: list[int]) -> float | None:
+    """ms per light between 1,024 and the most that was measured."""
+    past = [n for n in counts if n > 1024 and (scene, path, n) in times]
+    if not past or (scene, path, 1024) not in times:
+        return None
+    return (times[scene, path, past[-1]] - times[scene, path, 1024]) / (past[-1] - 1024)
+
+
+def _ms(value: float | None) -> str:
+    return "" if value is None else f"{value:.2f}"
+
+
+EXPERIMENT = Experiment(
+    title="Many lights: render paths and culling",
+    method="a frame by each path, by the one that auto chooses, and by forward-plus with each way of culling",
+    truth="the forward path, every light in every pixel; where it is too slow to wait for, deferred light volumes,"
+    " which have no lists that could miss a light",
+    metric="max_difference",
+    unit="scene-linear",
+    knobs=knobs,
+    default={"method": "auto"},
+    curve="method",
+    problem="problem",
+    run=run,
+    needs=frozenset({"gpu"}),
+    timed="gpu",
+    patience=2.0,
+    tables=tables,
+    time_label="median frame time",
+    note="The error must be zero: only time differs. Forward is omitted where a frame takes seconds. The three-pass"
+    " form gathers light apart from surfaces and is an approximation.",
+)
