@@ -19,6 +19,11 @@ ROOT = Path(__file__).resolve().parent.parent
 CACHED_KINDS = ("sampler", "program", "query")
 
 
+# Imports in this process: a worker costs half a second, and most tests are about what comes after it. Tests of the
+# workers and of the farm take this away again.
+os.environ.setdefault("LUCARNA_IN_PROCESS", "1")
+
+
 def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line("markers", "keeps_objects: leaves GPU objects behind on purpose (no leak check)")
 

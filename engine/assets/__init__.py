@@ -5,7 +5,11 @@
     texture.py  TextureAsset, FORMATS             dds.py          .dds     (DX10 header, mips, cubes, arrays)
     material.py MaterialAsset, TextureRef         material_toml.py *.material.toml
     scene.py    SceneAsset, NodeAsset …           scene_json.py   *.scene.json (one node a line)
+    ies.py      PhotometricProfile: foreign, but read as it is, since a luminaire's maker signs for its bytes
+    samples/    scenes made by code: atrium, poles
     environment_dds.py  baked environments: a prefiltered cube with SH9 in its extras
+
+    quantized.py: vertex streams of an .lmesh in 16 bits of their box, where a mesh asks for it
 
     mapping.py (mapped files), container.py (safetensors), dds_legacy.py (old pixel formats), records.py (dataclasses
     from and to JSON) serve the readers.

@@ -29,6 +29,13 @@
     clip = "draw"
     mask = "upper"
     weight = "drawing"                             # a number, or the parameter that gives it
+    [[tracks]]                                     # a timeline: what plays when; beside states or instead of them
+    name = "body"
+    mask = "upper"                                 # left out: all that its clips move
+    blocks = [{ clip = "walk", start = 0.0, length = 3.0, fade_out = 1.0 }, { clip = "run", start = 2.0, length = 3.0 }]
+    [[markers]]                                    # on the timeline itself
+    name = "cut"
+    time = 2.5
 
 `read_animation` checks the file's shape and that its names mean something in it; the scene's nodes and clips are for
 engine.animation to find. Every complaint stands at its line.
@@ -104,6 +111,8 @@ class StateModel(_Table):
     blend: str = ""
     speed: FiniteFloat = 1.0
     mode: Mode = "loop"
+    #: where an editor draws it
+    at: list[FiniteFloat] | None = Field(None, min_length=2, max_length=2)
 
 
 class TransitionModel(_Table):
@@ -130,6 +139,36 @@ class LayerModel(_Table):
     reference_time: Seconds = 0.0
 
 
+class BlockModel(_Table):
+    """A clip on a track: from `start` for `length` seconds, its own time beginning at `offset` and running at `speed`;
+    `play` says what happens beyond its ends. `sync`: in step, by phase, with the track's other blocks that are."""
+
+    clip: Name
+    start: Seconds = 0.0
+    length: Annotated[FiniteFloat, Field(gt=0.0, le=1e6)] = 1.0
+    offset: FiniteFloat = 0.0
+    speed: FiniteFloat = 1.0
+    fade_in: Seconds = 0.0
+    fade_out: Seconds = 0.0
+    curve: Curve = "smooth"
+    play: Mode = "loop"
+    sync: bool = False
+
+
+class TrackModel(_Table):
+    """Blocks of one track are blended; each track lies over those before it."""
+
+    name: Name
+    blocks: list[BlockModel] = Field(default=[], max_length=4096)
+    mask: str = ""
+    mode: Literal["override", "additive"] = "override"
+    weight: FiniteFloat = 1.0
+    muted: bool = False
+    #: as a layer's: the pose that an additive track is measured from
+    reference: str | None = None
+    reference_time: Seconds = 0.0
+
+
 class AnimationModel(_Table):
     schema_: Literal["lucarna.animation/1"] = Field(alias="schema")
     name: Name
@@ -139,9 +178,11 @@ class AnimationModel(_Table):
     clips: dict[Name, ClipModel] = {}
     masks: dict[Name, MaskModel] = {}
     blends: dict[Name, BlendModel] = {}
-    states: dict[Name, StateModel] = Field(min_length=1)
+    states: dict[Name, StateModel] = {}
     transitions: list[TransitionModel] = []
     layers: list[LayerModel] = []
+    tracks: list[TrackModel] = []
+    markers: list[MarkerModel] = []
 
 
 def read_animation(path: Path) -> tuple[AnimationModel, TomlSource]:
@@ -200,7 +241,7 @@ def _known(location: KeyPath) -> list[str]:
     models: dict[str, type[_Table]] = {
         "params": ParamModel, "clips": ClipModel, "masks": MaskModel, "blends": BlendModel, "states": StateModel,
         "transitions": TransitionModel, "layers": LayerModel, "markers": MarkerModel, "subtrees": SubtreeModel,
-        "samples": SampleModel,
+        "samples": SampleModel, "tracks": TrackModel, "blocks": BlockModel,
     }  # fmt: skip
     owner: type[_Table] = AnimationModel
     for part in location[:-1]:
@@ -225,6 +266,17 @@ def _problems(model: AnimationModel, source: TomlSource) -> Iterator[FormatError
                     ("blends", name, "samples", i, "at"),
                     f"a place of {len(sample.at)} numbers for {len(blend.params)} parameters", value=True,
                 )  # fmt: skip
+    if not model.states and not model.tracks:
+        yield source.error((), "an animation needs states or tracks", hint="add [states.NAME] or [[tracks]]")
+    for i, track in enumerate(model.tracks):
+        if track.mask:
+            yield from unknown("mask", track.mask, model.masks, ("tracks", i, "mask"))
+        if track.reference:
+            yield from unknown("clip", track.reference, model.clips, ("tracks", i, "reference"))
+        if track.mode == "override" and not 0.0 <= track.weight <= 1.0:
+            yield source.error(("tracks", i, "weight"), "the weight of an override is in [0, 1]", value=True)
+        for j, block in enumerate(track.blocks):
+            yield from unknown("clip", block.clip, model.clips, ("tracks", i, "blocks", j, "clip"))
     motions: list[tuple[KeyPath, StateModel | LayerModel]] = [(("states", n), s) for n, s in model.states.items()]
     motions += [(("layers", i), layer) for i, layer in enumerate(model.layers)]
     for keys, user in motions:

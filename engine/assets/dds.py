@@ -4,7 +4,8 @@ Written: always with the DX10 header, then the images in file order (layer by la
 `extras` is not empty, a trailer that other readers ignore: `LCRN` | u4 length | JSON of the extras.
 
 Read: the same; and legacy headers: DXT1..5, ATI1/2, BC4U/BC5U, D3DFMT float codes, RGB(A) masks, luminance, cubes,
-volumes. What no GPU format of ours matches exactly (24-bit RGB, BGRA, 565, DXT3 …) is converted (dds_legacy.py).
+volumes. What no GPU format of ours matches exactly (24-bit RGB, BGRA, 565, DXT3 …) is converted (dds_legacy.py;
+16-bit, signed and packed floats to half or single floats: dds_wide.py).
 Every count is checked against the size of the file before it is used.
 
 Format: "DDS file layout" and "DDS_HEADER_DXT10", Microsoft Learn.
@@ -56,6 +57,12 @@ _READ |= {
     92: Pixels("rgba8", "mask", 32, (0xFF0000, 0xFF00, 0xFF, 0)),
     93: Pixels("rgba8-srgb", "mask", 32, (0xFF0000, 0xFF00, 0xFF, 0)),
     65: Pixels("rgba8", "mask", 8, (0, 0, 0, 0xFF)),
+    6: Pixels("rgba32f", "rgb32f"), 11: Pixels("rgba16f", "unorm16"), 13: Pixels("rgba16f", "snorm16"),
+    24: Pixels("rgba16f", "wide-mask", 32, (0x3FF, 0xFFC00, 0x3FF00000, 0xC0000000)),
+    26: Pixels("rgba16f", "r11g11b10f"), 31: Pixels("rgba16f", "snorm8"), 35: Pixels("rg16f", "unorm16"),
+    37: Pixels("rg16f", "snorm16"), 51: Pixels("rg16f", "snorm8"), 56: Pixels("r32f", "unorm16"),
+    58: Pixels("r32f", "snorm16"), 63: Pixels("r16f", "snorm8"), 67: Pixels("rgba16f", "rgb9e5"),
+    81: Pixels("r16f", "bc4s"), 84: Pixels("rg16f", "bc5s"),
 }  # fmt: skip
 
 _ALPHA_MODES = ("unknown", "straight", "premultiplied", "opaque", "custom")
@@ -221,4 +228,4 @@ def _trailer(data: memoryview, at: int, file: str) -> dict[str, Any]:
 
 
 def _supported() -> str:
-    return "supported: BC1-BC7 (BC6H unsigned), 8-bit RGBA, RG, R and half and float"
+    return "supported: BC1-BC7 (BC6H unsigned), 8 and 16-bit R, RG, RGBA, signed or not, 10:10:10:2, half and float"

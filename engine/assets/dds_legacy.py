@@ -12,14 +12,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.assets import dds_wide
 from engine.assets.texture import level_size
 
-_ALPHA, _ALPHA_ONLY, _FOURCC, _RGB, _LUMINANCE = 0x1, 0x2, 0x4, 0x40, 0x20000
+_ALPHA, _ALPHA_ONLY, _FOURCC, _RGB, _LUMINANCE, _SIGNED = 0x1, 0x2, 0x4, 0x40, 0x20000, 0x80000
 
 
 @dataclass(frozen=True, slots=True)
 class Pixels:
-    """`format`: what they become. `source`: "" as they are, `mask` (`bits` wide, r g b a masks) or `bc2`."""
+    """`format`: what they become. `source`: "" as they are, `mask` (`bits` wide, r g b a masks), `bc2`, or one of
+    dds_wide.py, of which integers have the channels of `format`."""
 
     format: str
     source: str = ""
@@ -28,13 +30,23 @@ class Pixels:
     note: str = ""
 
     @property
+    def wide(self) -> bool:
+        return self.source not in ("", "mask", "bc2")
+
+    @property
+    def channels(self) -> int:
+        return len(self.format) - len(self.format.lstrip("rgba"))
+
+    @property
     def stored_name(self) -> str:
-        return f"{self.bits}-bit" if self.source == "mask" else self.source or self.format
+        return f"{self.bits}-bit" if self.source.endswith("mask") else self.source or self.format
 
     def stored_size(self, width: int, height: int, depth: int) -> int:
         """Bytes of one image in the file."""
         if self.source == "mask":
             return width * height * depth * (self.bits // 8)
+        if self.wide:
+            return dds_wide.stored_size(self.source, self.channels, self.bits, width, height, depth)
         return level_size("bc3" if self.source == "bc2" else self.format, width, height, depth)
 
 
@@ -44,24 +56,39 @@ _CODES = {
     b"DXT3": Pixels("rgba8", "bc2"),
     b"DXT4": Pixels("bc3", note="premultiplied"),
     b"DXT5": Pixels("bc3"),
+    b"RXGB": Pixels("bc3", note="rxgb"),
+    b"BC4S": Pixels("r16f", "bc4s"),
+    b"BC5S": Pixels("rg16f", "bc5s"),
     b"ATI1": Pixels("bc4"),
     b"BC4U": Pixels("bc4"),
     b"ATI2": Pixels("bc5"),
     b"BC5U": Pixels("bc5"),
 }
+#: signed masks of Direct3D 9 (bits, r, g, b, a): V8U8, Q8W8V8U8, V16U16
+_SIGNED_MASKS = {
+    (16, 0xFF, 0xFF00, 0, 0): Pixels("rg16f", "snorm8"),
+    (32, 0xFF, 0xFF00, 0xFF0000, 0xFF000000): Pixels("rgba16f", "snorm8"),
+    (32, 0xFFFF, 0xFFFF0000, 0, 0): Pixels("rg16f", "snorm16"),
+}
 #: D3DFORMAT numbers in the fourCC field
+_D3DFMT_WIDE = {36: Pixels("rgba16f", "unorm16"), 110: Pixels("rgba16f", "snorm16")}
 _D3DFMT = {111: "r16f", 112: "rg16f", 113: "rgba16f", 114: "r32f", 115: "rg32f", 116: "rgba32f"}
 
 
 def legacy_pixels(flags: int, fourcc: bytes, bits: int, masks: tuple[int, ...]) -> Pixels | None:
     """What a header without DX10 part means, or None when we have nothing for it."""
     if flags & _FOURCC:
-        code = _D3DFMT.get(int.from_bytes(fourcc, "little"))
-        return Pixels(code) if code else _CODES.get(fourcc)
+        number = int.from_bytes(fourcc, "little")
+        code = _D3DFMT.get(number)
+        return Pixels(code) if code else _D3DFMT_WIDE.get(number) or _CODES.get(fourcc)
     if bits not in (8, 16, 24, 32) or any(mask >> bits for mask in masks):
         return None
     r, g, b, a = masks
+    if flags & _SIGNED:
+        return _SIGNED_MASKS.get((bits, r, g, b, a))
     if flags & _LUMINANCE:
+        if bits == 16 and r == 0xFFFF:
+            return Pixels("r32f", "unorm16", note="luminance")
         if bits == 8 and r in (0, 0xFF) and not flags & _ALPHA:
             return Pixels("r8", note="luminance")
         if r > 0xFF or not r:
@@ -73,19 +100,20 @@ def legacy_pixels(flags: int, fourcc: bytes, bits: int, masks: tuple[int, ...]) 
             return Pixels("rgba8")
         if bits == 8 and (r, g, b) in ((0xFF, 0, 0), (0xFF, 0xFF, 0xFF)) and not alpha:
             return Pixels("r8")
-        if not _readable((r, g, b, alpha)):
-            return None
-        return Pixels("rgba8", "mask", bits, (r, g, b, alpha))
+        masks = (r, g, b, alpha)
+        if _readable(masks):
+            return Pixels("rgba8", "mask", bits, masks)
+        return Pixels("rgba16f", "wide-mask", bits, masks) if bits != 24 and _readable(masks, 0xFFFF) else None
     if flags & _ALPHA_ONLY and bits == 8:
         return Pixels("rgba8", "mask", 8, (0, 0, 0, 0xFF), "alpha")
     return None
 
 
-def _readable(masks: tuple[int, int, int, int]) -> bool:
-    """Each mask is one run of at most 8 bits, and there is any colour."""
+def _readable(masks: tuple[int, int, int, int], most: int = 0xFF) -> bool:
+    """Each mask is one run of bits up to `most`, and there is any colour."""
     for mask in masks:
         low = mask & -mask
-        if mask and (mask // low > 0xFF or (mask // low) & (mask // low + 1)):
+        if mask and (mask // low > most or (mask // low) & (mask // low + 1)):
             return False
     return any(masks[:3])
 
@@ -97,6 +125,21 @@ def convert(pixels: Pixels, image: memoryview, width: int, height: int, depth: i
         return b"".join(_bc2(image[i * size : (i + 1) * size], width, height).tobytes() for i in range(depth))
     if pixels.source == "mask":
         return _masked(image, pixels.bits, pixels.masks).tobytes()
+    if pixels.wide:
+        size = pixels.stored_size(width, height, 1)
+        slices = [
+            dds_wide.widen(
+                pixels.source,
+                image[i * size : (i + 1) * size],
+                pixels.channels,
+                pixels.masks,
+                pixels.bits,
+                width,
+                height,
+            )
+            for i in range(depth)
+        ]
+        return b"".join(dds_wide.packed(values, pixels.format) for values in slices)
     return image
 
 

@@ -45,11 +45,15 @@ def read_environment(path: Path) -> tuple[TextureAsset, NDArray[np.float32]]:
 
 def write_environment(path: Path, texture: TextureAsset, sh9: NDArray[np.float32]) -> None:
     """Write a baked environment. Raises FormatError, OutputError."""
+    write_dds(path, with_sh9(texture, sh9))
+
+
+def with_sh9(texture: TextureAsset, sh9: NDArray[np.float32]) -> TextureAsset:
+    """The cube as a baked environment: its SH9 f4[9,3] in the extras."""
     extras = {**texture.extras, "environment": SCHEMA, "sh9": np.asarray(sh9, np.float32).tolist()}
-    stored = TextureAsset(
+    return TextureAsset(
         texture.format, texture.width, texture.height, texture.levels, cube=True, name=texture.name, extras=extras
     )
-    write_dds(path, stored)
 
 
 def sun_direction(environment: EnvironmentAsset) -> NDArray[np.float64]:

@@ -4,7 +4,8 @@ Arrays of mesh i: `m<i>.<stream>`, `m<i>.indices`, `m<i>.joint_parents`, `m<i>.i
 `m<i>.t<k>.<stream>` for morph target k. Metadata, schema `lucarna.mesh/1`:
 
     {"schema", "provenance": {…}, "meshes": [{"name", "streams", "submeshes": [[first, count, slot, topology,
-     [min], [max]]], "joints": [names] or null, "morphs": [{"name", "streams"}], "extras"}]}
+     [min], [max]]], "joints": [names] or null, "morphs": [{"name", "streams"}], "extras",
+     "quantized": {array: [[low], [step]]}, where there is any (see engine.assets.quantized)}]}
 """
 
 from __future__ import annotations
@@ -19,11 +20,14 @@ from numpy.typing import NDArray
 
 from engine.assets.container import Arrays, read_container, write_container
 from engine.assets.mesh import STREAMS, TOPOLOGIES, MeshAsset, MorphTarget, Skeleton, Submesh
+from engine.assets.quantized import Box, decode, encode
 from engine.core.errors import FormatError, Place
 
 SCHEMA = "lucarna.mesh/1"
 _STEP = {"triangles": 3, "lines": 2, "points": 1}
 _MORPH_STREAMS = ("position", "normal", "tangent")
+#: streams that are stored in 16 bits where a mesh asks for it by `extras["quantize"]`
+_QUANTIZED = ("position", "uv0", "uv1")
 
 
 def write_lmesh(path: Path, meshes: Sequence[MeshAsset], provenance: Mapping[str, str] | None = None) -> None:
@@ -44,7 +48,15 @@ def write_lmesh(path: Path, meshes: Sequence[MeshAsset], provenance: Mapping[str
         for k, morph in enumerate(mesh.morphs):
             for stream in sorted(morph.streams):
                 arrays[f"m{i}.t{k}.{stream}"] = morph.streams[stream]
-        described.append(_describe(mesh))
+        entry = _describe(mesh)
+        if mesh.extras.get("quantize") is True:
+            boxes: dict[str, Any] = {}
+            for name in [n for n in arrays if n.startswith(f"m{i}.") and n.rpartition(".")[2] in _QUANTIZED]:
+                if arrays[name].dtype == np.dtype("<f4"):
+                    arrays[name], box = encode(arrays[name])
+                    boxes[name.partition(".")[2]] = box.to_json()
+            entry["quantized"] = boxes
+        described.append(entry)
     write_container(path, {"schema": SCHEMA, "meshes": described, "provenance": dict(provenance or {})}, arrays)
 
 
@@ -155,6 +167,10 @@ def _describe(mesh: MeshAsset) -> dict[str, Any]:
 
 
 def _mesh(i: int, entry: Any, arrays: Arrays) -> MeshAsset:
+    quantized = entry.get("quantized") or {}
+    if quantized:
+        boxes = {f"m{i}.{name}": Box.from_json(box) for name, box in quantized.items()}
+        arrays = {name: decode(a, boxes[name]) if name in boxes else a for name, a in arrays.items()}
     streams = {str(name): arrays[f"m{i}.{name}"] for name in entry["streams"]}
     submeshes = []
     for first, count, slot, topology, low, high in entry["submeshes"]:

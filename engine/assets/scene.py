@@ -1,7 +1,7 @@
 """SceneAsset (`*.scene.json`): a tree of nodes with what hangs on them, and the scene's look.
 
 One node a line, keys sorted, so that diffs are small. Units: metres, radians, seconds; quaternions xyzw; lights in
-candela (point, spot) or lux (directional); colours scene-linear Rec.709.
+candela (point, spot), lux (directional) or nit (rectangle, disk); colours scene-linear Rec.709.
 """
 
 from __future__ import annotations
@@ -25,7 +25,15 @@ class CameraAsset:
 
 @dataclass(slots=True)
 class LightAsset:
-    """`directional` (intensity in lux), `point` or `spot` (candela), shining along the node's local -Z."""
+    """`directional` (intensity in lux), `point` or `spot` (candela), `rectangle` or `disk` (nit = candela per square
+    metre), shining along the node's local -Z. The node's scale changes none of it.
+
+    `width`, `height` (metres) are those of a rectangle along the node's X and Y, or the diameters of a disk (an
+    ellipse); `two_sided` lets it shine along +Z too. `range`: where the light ends, from the light's nearest point;
+    0 = nowhere. `temperature` (kelvin, 0 = none) multiplies the colour by that of a black body of the same luminance.
+    `profile`: path of an IES file, relative to the scene file, that shapes a point or spot light; `intensity` is
+    then the candela where the profile is brightest.
+    """
 
     type: str = "directional"
     color: tuple[float, float, float] = (1.0, 1.0, 1.0)
@@ -33,6 +41,11 @@ class LightAsset:
     range: float = 0.0
     inner_angle: float = 0.0
     outer_angle: float = 0.7853981633974483
+    width: float = 1.0
+    height: float = 1.0
+    two_sided: bool = False
+    temperature: float = 0.0
+    profile: str = ""
 
 
 @dataclass(slots=True)
@@ -110,3 +123,5 @@ class SceneAsset:
     active_camera: int = -1
     #: what it was made from: {"source": name, "source_hash": …, "importer": …}
     provenance: dict[str, str] = field(default_factory=dict)
+    #: path of an animation file that poses it, relative to the scene file
+    animation: str = ""

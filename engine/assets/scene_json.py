@@ -68,12 +68,17 @@ _CAMERA = Record(
 _LIGHT = Record(
     LightAsset,
     {
-        "type": choice("directional", "point", "spot"),
+        "type": choice("directional", "point", "spot", "rectangle", "disk"),
         "color": _COLOR,
         "intensity": number(0.0),
         "range": number(0.0),
         "inner_angle": number(0.0, math.pi),
         "outer_angle": number(0.0, math.pi),
+        "width": number(0.0),
+        "height": number(0.0),
+        "two_sided": boolean,
+        "temperature": number(0.0),
+        "profile": string,
     },
 )
 _MESH = Record(MeshRef, {"file": string, "index": integer(0), "name": string, "materials": items(string)})
@@ -123,6 +128,7 @@ _SCENE = Record(
         "environment": _ENVIRONMENT.read,
         "look": _LOOK.read,
         "active_camera": integer(-1),
+        "animation": string,
         "provenance": string_map,
     },
     {"environment": _ENVIRONMENT, "look": _LOOK},

@@ -16,6 +16,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+_LONGEST = 300
+
 
 @dataclass(frozen=True, slots=True)
 class Place:
@@ -33,7 +35,9 @@ class Place:
             if self.column:
                 text += f":{self.column}"
         if self.path:
-            text = f"{text}: {self.path}" if text else self.path
+            # names come from files, and may be of any length
+            path = self.path if len(self.path) <= _LONGEST else f"{self.path[:_LONGEST]}…"
+            text = f"{text}: {path}" if text else path
         return text
 
 

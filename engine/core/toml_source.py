@@ -135,12 +135,21 @@ def parse_toml(raw: bytes | str, file: str) -> TomlSource:
         raise FormatError(f"not valid TOML: {error}", where=file) from error
 
 
+#: characters of a source line that a message shows
+_WIDEST = 200
+
+
 def caret(text: str, line: int, column: int) -> str:
-    """Line `line` of `text` and a caret under `column` (both 1-based); empty when there is no such line."""
+    """Line `line` of `text` and a caret under `column` (both 1-based); empty when there is no such line. Of a long line
+    only what is around the column."""
     lines = text.split("\n")
     if not 1 <= line <= len(lines):
         return ""
     source = lines[line - 1].rstrip("\r")
+    if len(source) > _WIDEST:
+        start = min(max(column - _WIDEST // 2, 0), len(source) - _WIDEST)
+        source = source[start : start + _WIDEST]
+        column -= start
     before = "".join("\t" if c == "\t" else " " for c in source[: max(0, column - 1)])
     return f"    {source}\n    {before}^"
 

@@ -40,6 +40,12 @@ class Caps:
     storage_alignment: int = 256
     max_uniform_bytes: int = 65536
     max_samples: int = 1  # of a multisampled colour and depth texture
+    sample_counts: tuple[int, ...] = ()  # that such textures really have, ascending; asked for others they get more
+
+    def samples_for(self, wanted: int) -> int:
+        """The least number of samples a pixel that textures have and that is at least `wanted`, else the most."""
+        known = [n for n in self.sample_counts or (wanted,) if n <= self.max_samples]
+        return next((n for n in known if n >= wanted), known[-1] if known else self.max_samples) if wanted > 1 else 1
 
 
 # --- resources -----------------------------------------------------------------------------------------------------

@@ -6,6 +6,8 @@
     color, tonemap      sRGB, AgX, ACES, Neutral                 ┐
     sphere, sh          directions, sampling, SH9                ├─> importers (baking), tests (twins of the shaders)
     ggx                 D, V, F, DFG, multiple scattering        ┘
+    ltc                 area lights: the fit, form factors       ─> shaders/data/ltc.dds (packaging/make_ltc.py), tests
+    photometry, blackbody   lumen, lux, nit; the colour of heat  ─> scene, editor
 
 Conventions. Right-handed, +Y up; metres, radians. Column vectors: `v_world = world_from_local @ v_local`; matrices are
 [..., 4, 4] row-major float64 and named target_from_source. Quaternions are xyzw, unit. A camera looks along its local

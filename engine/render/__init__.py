@@ -3,12 +3,17 @@
 camera.py       Camera: where from and how wide           settings.py  RenderSettings: one declaration, all doors
 view.py         View = camera + size + settings           facts.py     SceneFacts: what this scene has
 transforms.py   node rows -> camera-near float32 rows      draw_list.py instances -> batches of indirect commands
-light_rows.py   light table -> Light structs               view_block.py  the uniform block all shaders see
+palettes.py     skins -> rows per joint                    morphs.py      targets in use, weights per object
+light_rows.py   light table -> Light structs, bounds       view_block.py  the uniform block all shaders see
+light_tables.py fitted lobes of area lights, IES profiles  lighting.py    by which path local lights reach surfaces
+gbuffer.py      what a surface is packed into              light_lists.py buffers behind the light lists of tiles
 passes/         one pass a file, its shader of the same name in shaders/passes
 shadows/        cascades of the first sun: fit, bias, who casts
-paths/          which passes make a frame
+paths/          which passes make a frame, and which path is the cheapest
+hysteresis.py   facts that flicker stay on for a while
+nonfinite.py    beside the graph, on demand: which pass made the first NaN, and where
 renderer.py     Renderer.render(scene, view) -> Frame
 
-scene tables ─► facts ─► frame graph (compiled once per facts) ─► passes ─► rgba8 picture + FrameStats
+scene tables ─► facts ─► hysteresis ─► frame graph (compiled once per facts) ─► passes ─► rgba8 picture + FrameStats
            └─► transforms, lights, visibility ─► draw list ─────────┘
 """

@@ -36,6 +36,12 @@ COMMAND_DTYPE = np.dtype(
 
 #: why a skinned instance's variant has that feature
 SKINNED = {"skinning": "the mesh hangs on a skeleton"}
+#: flag of a combo -> what it switches on, and why
+BENT = {
+    2: SKINNED,
+    4: {"morph": "morph targets of the mesh have had a weight"},
+    8: {"dual_quaternion": "the skin is blended as dual quaternions"},
+}
 
 #: queue -> order in the frame
 QUEUE_ORDER = {"background": 0, "opaque": 1, "alpha_test": 2, "transparent": 3, "overlay": 4}
@@ -97,7 +103,7 @@ class DrawList:
         self.instances_drawn = 0
         self.triangles_drawn = 0
         self._built_for: tuple[object, ...] = ()
-        #: what is drawn: (mesh, submesh, material, 1 mirrored + 2 skinned), each once
+        #: what is drawn: (mesh, submesh, material, 1 mirrored + keys of BENT), each once
         self._combos: list[tuple[int, int, int, int]] = []
         self._mirrored = np.zeros(0, np.bool_)
         self._mirrored_seen = (0, -1, -1)
@@ -126,6 +132,21 @@ class DrawList:
         """Whether the scene has any opaque or alpha-tested surface, seen or not."""
         return len(self._solid.row_order) > 0
 
+    @property
+    def has_cutouts(self) -> bool:
+        """Whether the scene has any alpha-tested surface, seen or not."""
+        return any("alpha_test" in state.features for state in self._solid.states)
+
+    @property
+    def materials(self) -> frozenset[int]:
+        """The materials of all that the scene draws, seen or not."""
+        return frozenset(material for _, _, material, _ in self._combos)
+
+    @property
+    def solid_effects(self) -> frozenset[str]:
+        """The effects of all that is opaque or alpha-tested, seen or not."""
+        return frozenset(state.effect for state in self._solid.states)
+
     # --- structure ---
 
     def build(self, scene: Scene) -> bool:
@@ -146,9 +167,12 @@ class DrawList:
             self._solid_batches, self._combos = [], []
             return True
         mirrored = self._mirrored[_placing_nodes(scene)]
-        skinned = scene.skins.of_nodes(table.node) >= 0
+        skin = scene.skins.of_nodes(table.node)
+        row = scene.morphs.of_nodes(table.node)
+        bent = 2 * (skin >= 0) + 4 * ((row >= 0) & np.append(scene.morphs.active, False)[row])
+        bent += 8 * ((skin >= 0) & np.append(scene.skins.dual, False)[skin])
         combos, inverse = np.unique(
-            np.stack([table.mesh, table.submesh, table.material, mirrored + 2 * skinned], axis=1),
+            np.stack([table.mesh, table.submesh, table.material, mirrored + bent], axis=1),
             axis=0, return_inverse=True,
         )  # fmt: skip
         inverse = inverse.reshape(-1)
@@ -210,7 +234,8 @@ class DrawList:
 
     def _state(self, mesh: int, submesh: int, record: MaterialRecord, flags: int) -> DrawState:
         info = self._residency.meshes[mesh]
-        features = resolve_features(record.effect, record.asset, info.asset.layout, SKINNED if flags & 2 else None)
+        bends = {name: why for flag, reasons in BENT.items() if flags & flag for name, why in reasons.items()}
+        features = resolve_features(record.effect, record.asset, info.asset.layout, bends)
         double_sided = "double_sided" in features
         return DrawState(
             record.effect.name, features, info.arena, record.group,

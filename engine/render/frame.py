@@ -13,9 +13,12 @@ from engine.framegraph.compiled import CompiledGraph
 from engine.gpu.types import Bindings, Buffer, Device, RenderPass, Sampler, Texture
 from engine.render.draw_list import Batch, DrawList
 from engine.render.facts import SceneFacts
+from engine.render.light_lists import LightLists
+from engine.render.lighting import Choice
 from engine.render.programs import Programs
 from engine.render.shadows.sun import SunShadows
 from engine.render.view import View
+from engine.report.number_check import NumberReport
 from engine.report.stats import FrameStats
 from engine.resources.environment import DfgTable, EnvironmentMap
 from engine.resources.residency import Residency
@@ -28,11 +31,17 @@ OBJECT_BINDING = 1
 MATERIAL_BINDING = 2
 LIGHT_BINDING = 3
 PALETTE_BINDING = 4
+LIGHT_LIST_BINDING = 5
+LIGHT_BOUNDS_BINDING = 6
+MORPH_BINDING = 7
 ENVIRONMENT_UNIT = 8
 DFG_UNIT = 9
 INPUT_UNIT = 10
 SHADOW_UNIT = 11
 SHADOW_DEPTH_UNIT = 12
+LIGHT_TILES_UNIT = 16
+GBUFFER_UNIT = 17
+DEPTH_UNIT = 20
 
 
 @dataclass(slots=True)
@@ -50,13 +59,18 @@ class RenderFrame:
     view_buffer: Buffer
     transforms: Buffer
     lights: Buffer
+    light_count: int
+    light_lists: LightLists
     palettes: Buffer
+    morphs: Buffer
     point_sampler: Sampler
     origin: NDArray[np.float64]
     shadows: SunShadows
     shadow_rows: NDArray[np.void]
     look: Mapping[str, Any] = field(default_factory=dict)
     pass_buffers: dict[str, Buffer] = field(default_factory=dict)
+    #: what lib/lights.glsl looks up, by unit (light_tables.py)
+    light_textures: Mapping[int, Any] = field(default_factory=dict)
 
     def pass_block(self, name: str, row: NDArray[np.void]) -> Buffer:
         """The uniform buffer of a pass, holding `row`."""
@@ -82,13 +96,17 @@ class RenderFrame:
         )
 
     def draw_batches(
-        self, render_pass: RenderPass, batches: list[Batch], samples: int, inputs: Mapping[int, Any] | None = None
-    ) -> None:
+        self, render_pass: RenderPass, batches: list[Batch], samples: int, inputs: Mapping[int, Any] | None = None,
+        depth_only: bool = False,
+    ) -> None:  # fmt: skip
         """Draw batches with their pipelines, arenas and materials: one multi-draw each. `inputs`: more textures."""
         for batch in batches:
             state = batch.state
             arena = self.residency.arenas[state.arena]
-            render_pass.set_pipeline(self.programs.surface(state, arena, self.facts, samples))
+            if depth_only:
+                render_pass.set_pipeline(self.programs.depth(state, arena, self.facts))
+            else:
+                render_pass.set_pipeline(self.programs.surface(state, arena, self.facts, samples))
             render_pass.set_vertex_buffers({**arena.streams, "object": self.draws.ids}, arena.indices)
             materials = self.residency.materials
             render_pass.set_bindings(
@@ -100,16 +118,31 @@ class RenderFrame:
                         MATERIAL_BINDING: materials.buffer(state.effect),
                         LIGHT_BINDING: self.lights,
                         PALETTE_BINDING: self.palettes,
+                        MORPH_BINDING: self.morphs,
+                        **self.light_lists.shading_storage,
                     },
                     textures={
                         **materials.bindings(state.group, self.view.settings.anisotropy),
                         ENVIRONMENT_UNIT: (self.environment.texture, self.environment.sampler),
                         DFG_UNIT: (self.dfg.texture, self.dfg.sampler),
+                        **self.light_textures,
                         **(inputs or {}),
                     },
                 )
             )
             render_pass.multi_draw_indexed_indirect(self.draws.commands, batch.first, batch.count)
+
+    def light_bindings(
+        self, textures: Mapping[int, Any] | None = None, uniforms: Mapping[int, Any] | None = None,
+        storage: Mapping[int, Any] | None = None, images: Mapping[int, Any] | None = None,
+    ) -> Bindings:  # fmt: skip
+        """The view block and the light table, plus a pass's own inputs: for passes that light the G-buffer."""
+        return Bindings(
+            uniforms={VIEW_BINDING: self.view_buffer, **(uniforms or {})},
+            storage={LIGHT_BINDING: self.lights, **self.light_lists.shading_storage, **(storage or {})},
+            textures={DFG_UNIT: (self.dfg.texture, self.dfg.sampler), **self.light_textures, **(textures or {})},
+            images=images or {},
+        )  # fmt: skip
 
     def draw_casters(self, render_pass: RenderPass, batches: list[Batch], view_buffer: Buffer) -> None:
         """Draw the depth of casters as `view_buffer` (a view block) sees them."""
@@ -127,6 +160,7 @@ class RenderFrame:
                         OBJECT_BINDING: self.draws.objects,
                         MATERIAL_BINDING: materials.buffer(state.effect),
                         PALETTE_BINDING: self.palettes,
+                        MORPH_BINDING: self.morphs,
                     },
                     textures=materials.bindings(state.group) if state.group >= 0 else {},
                 )
@@ -145,3 +179,7 @@ class Frame:
     stats: FrameStats
     graph: CompiledGraph
     facts: SceneFacts
+    #: what the check of the numbers found, where the settings asked for one
+    numbers: NumberReport | None = None
+    #: by which path local lights were added, and why
+    path: Choice = field(default_factory=lambda: Choice("forward", 1, ""))

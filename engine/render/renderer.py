@@ -5,11 +5,14 @@ from __future__ import annotations
 import contextlib
 import math
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.core.findings import Findings
+from engine.framegraph.compiled import CompiledGraph, OnPass
 from engine.framegraph.graph import FrameGraph
 from engine.framegraph.passes import Pass, PassContext
 from engine.gpu.types import Device, SamplerDesc
@@ -19,22 +22,35 @@ from engine.render.draw_list import DrawList
 from engine.render.environments import Environments, usable
 from engine.render.facts import SceneFacts
 from engine.render.frame import Frame, RenderFrame
+from engine.render.gbuffer import bytes_per_pixel, layout_of, widest
+from engine.render.hysteresis import Hysteresis
+from engine.render.light_lists import LightLists
 from engine.render.light_rows import LightRows
+from engine.render.light_tables import LightTables
+from engine.render.lighting import Choice, loop_steps
+from engine.render.morphs import MorphRows
+from engine.render.nonfinite import NumberCheck
 from engine.render.palettes import PaletteRows
 from engine.render.pass_timer import PassTimer
-from engine.render.paths.forward import forward_passes
+from engine.render.paths.choice import PASSES, choose, lighting_of
+from engine.render.paths.cost import CostModel
+from engine.render.paths.cost import load as load_costs
 from engine.render.programs import Programs
+from engine.render.settings import LIT_LOOK, NONFINITE, ON_BLACK
 from engine.render.shadows.quality import ShadowQuality, filter_for
 from engine.render.shadows.sun import SunShadows
 from engine.render.transforms import TransformRows, origin_near
 from engine.render.view import View
 from engine.render.view_block import VIEW_LAYOUT, fill_view_block
+from engine.report.number_check import NumberReport
 from engine.report.stats import FrameStats
 from engine.resources.environment import DfgTable
 from engine.resources.material_store import MaterialRecord
 from engine.resources.residency import Residency
 from engine.scene.culling import visible_instances
 from engine.scene.scene import Scene
+
+BLACK = (0.0, 0.0, 0.0)
 
 
 class Renderer:
@@ -46,13 +62,22 @@ class Renderer:
         self.residency = residency
         self.profile = profile
         self.programs = Programs(device, residency.effects)
-        self.graph = FrameGraph(forward_passes())
+        #: path -> its passes, made when first taken
+        self.graphs: dict[str, FrameGraph] = {"forward": FrameGraph(PASSES["forward"]())}
+        #: of the last frame
+        self.path: Choice = Choice("forward", 1, "")
+        self.cost_model: CostModel = load_costs(device.caps)
         self.environments = Environments(device)
         self.draws = DrawList(device, residency)
         self._dfg = DfgTable(device)
         self._transforms = TransformRows(device)
         self._lights = LightRows(device)
+        self._light_tables = LightTables(device)
+        self.light_lists = LightLists(device)
+        self._layout: tuple[object, int] = ((), 0)
+        self._gbuffer_bytes = 0
         self._palettes = PaletteRows(device)
+        self._morphs = MorphRows(device, residency)
         self._view_buffer = device.buffer(VIEW_LAYOUT.size, label="view")
         self._pass_buffers: dict[str, Any] = {}
         self._point_sampler = device.sampler(SamplerDesc("clamp", "clamp", "clamp", "nearest", "nearest"))
@@ -63,6 +88,11 @@ class Renderer:
         self._visibility_key: tuple[object, ...] = ()
         self._visible: NDArray[np.bool_] = np.zeros(0, np.bool_)
         self._shadows = SunShadows()
+        #: holds on to facts that flicker
+        self.hysteresis = Hysteresis()
+        self._numbers: NumberCheck | None = None
+        #: (which picture, the report) of the first one whose check found NaN or an infinity
+        self.first_bad: tuple[int, NumberReport] | None = None
 
     def render(self, scene: Scene, view: View, *, hdr: bool = False) -> Frame:
         """One picture of `scene`; `hdr`: the scene-linear one too. Bad assets show as magenta.
@@ -79,18 +109,38 @@ class Renderer:
             origin = origin_near(view.camera.position, view.camera.znear)
             self._transforms.update(scene, origin, self._changed_rows(scene))
             self._palettes.update(scene, origin)
+            self._morphs.update(scene)
         with self._timer.stage("visibility"):
             self._visibility(scene, view)
         frame = self._frame(scene, view, origin, hdr)
         graph = self.graph.compile(
             device, frame.facts, (view.width, view.height), force_all=view.settings.force_all, key=hdr
         )
-        graph.execute(lambda item: _context(device, graph, item, frame), self._on_pass)
+        check = self._begin_check(view, graph)
+        graph.execute(lambda item: _context(device, graph, item, frame), self._observer(graph, check))
+        numbers = check.finish() if check is not None else None
+        if numbers is not None and numbers.first is not None and self.first_bad is None:
+            self.first_bad = (self.frames, numbers)
+        if check is not None and view.settings.view == NONFINITE:
+            check.show(graph.texture("color"))
         stats = self._stats(graph.transient_bytes)
         device.end_frame()
         self.frames += 1
         hdr_texture = graph.texture("hdr_resolved") if hdr else None
-        return Frame(graph.texture("color"), hdr_texture, stats, graph, frame.facts)
+        return Frame(graph.texture("color"), hdr_texture, stats, graph, frame.facts, numbers, self.path)
+
+    @property
+    def graph(self) -> FrameGraph:
+        """The passes of the last frame's path."""
+        path = self.path.path
+        if path not in self.graphs:
+            self.graphs[path] = FrameGraph(PASSES[path]())
+        return self.graphs[path]
+
+    @property
+    def seen(self) -> NDArray[np.bool_]:
+        """bool[instances]: what the last picture's frustum held; empty before the first."""
+        return self._visible
 
     def requests(self, records: Mapping[int, MaterialRecord]) -> list[VariantRequest]:
         """The shader variants that the last frame would have asked for if these materials were as in `records`."""
@@ -101,8 +151,14 @@ class Renderer:
         records = dict(enumerate(self.residency.materials.records))
         return self.programs.uses(self.draws.states_of(records), records)
 
+    @property
+    def light_findings(self) -> Findings:
+        """What was wrong with the IES profiles of the last frame's scene."""
+        return self._light_tables.findings
+
     def release(self) -> None:
-        self.graph.release()
+        for graph in self.graphs.values():
+            graph.release()
         for part in (
             self.programs,
             self.environments,
@@ -110,13 +166,19 @@ class Renderer:
             self._dfg,
             self._transforms,
             self._lights,
+            self._light_tables,
+            self.light_lists,
             self._palettes,
+            self._morphs,
             self._view_buffer,
         ):
             part.release()
         for buffer in self._pass_buffers.values():
             buffer.release()
         self._pass_buffers.clear()
+        if self._numbers is not None:
+            self._numbers.release()
+            self._numbers = None
 
     # --- parts of a frame ---
 
@@ -163,14 +225,15 @@ class Renderer:
         environment = usable(scene.environment)
         env_map = self.environments.get(environment)
         env_intensity = environment.intensity * settings.environment_intensity
-        self._lights.update(scene, environment, origin, settings.sun_intensity, rotation)
+        tables = self._light_tables
+        tables.update(scene, everything=settings.force_all)
+        self._lights.update(scene, environment, origin, settings.sun_intensity, rotation, tables.layers)
         block = fill_view_block(
             view, origin, env_map.irradiance_sh, env_map.mips, env_intensity,
             environment.rotation + rotation, self._lights,
         )  # fmt: skip
         sun_shadows = self._sun_shadows(scene, view)
         self._shadows.fill(block, view, origin, everywhere=settings.force_all)
-        self._view_buffer.write(block.tobytes())
         background = environment.background if settings.background == "scene" else settings.background
         lit = environment.kind != "none" and env_intensity > 0.0
         facts = SceneFacts(
@@ -179,12 +242,14 @@ class Renderer:
             suns=self._lights.sun_count > 0,
             local_lights=self._lights.count > 0,
             environment=lit,
-            background=lit and background == "environment",
+            background=lit and background == "environment" and settings.shading_view not in ON_BLACK,
             tone_map=_tone_map(scene, view),
-            samples=min(settings.samples, self.device.caps.max_samples),
-            debug_view=settings.view,
+            samples=self.device.caps.samples_for(settings.samples),
+            debug_view=settings.shading_view,
             hdr_output=hdr,
             force_all=settings.force_all,
+            area_lights=tables.area,
+            light_profiles=tables.profiles,
             sun_shadows=sun_shadows,
             shadow_quality=ShadowQuality(
                 filter_for(settings.shadow_filter, software=self.device.caps.software),
@@ -192,18 +257,87 @@ class Renderer:
                 settings.shadow_size,
             ),
         )
+        facts = self.hysteresis(scene, (hdr, view.width, view.height, settings.force_all), facts)
+        facts = self._light_path(view, facts, block)
+        self._view_buffer.write(block.tobytes())
         return RenderFrame(
             device=self.device, view=view, facts=facts, residency=self.residency, programs=self.programs,
             draws=self.draws, environment=env_map, dfg=self._dfg, view_buffer=self._view_buffer,
-            transforms=self._transforms.buffer, lights=self._lights.buffer, palettes=self._palettes.buffer,
+            transforms=self._transforms.buffer, lights=self._lights.buffer,
+            light_count=self._lights.count, light_lists=self.light_lists, palettes=self._palettes.buffer,
+            morphs=self._morphs.buffer,
             point_sampler=self._point_sampler, origin=origin, shadows=self._shadows, shadow_rows=block,
             look={
-                "exposure": scene.look.exposure + settings.exposure if settings.view == "lit" else 0.0,
-                "background": (*environment.background_color, 1.0),
+                "exposure": scene.look.exposure + settings.exposure if settings.shading_view in LIT_LOOK else 0.0,
+                "background": (*(BLACK if settings.shading_view in ON_BLACK else environment.background_color), 1.0),
                 "background_blur": max(environment.background_blur, settings.background_blur),
             },
             pass_buffers=self._pass_buffers,
+            light_textures=tables.bindings(),
         )  # fmt: skip
+
+    def _light_path(self, view: View, facts: SceneFacts, block: NDArray[np.void]) -> SceneFacts:
+        """Choose the path and have its buffers ready; returns the facts with both."""
+        settings, lights = view.settings, self._lights.count
+        used = facts.local_lights or facts.force_all
+        stored = settings.shading_view.startswith("gbuffer_")
+        self.path = choice = choose(
+            settings, local_lights=facts.local_lights, lights=lights, pixels=view.width * view.height,
+            samples=facts.samples, model=self.cost_model, force_all=facts.force_all,
+        )  # fmt: skip
+        lighting = lighting_of(
+            settings, choice, self._gbuffer_layout() if used or stored else 1, used=used,
+            steps=loop_steps(lights, software=self.device.caps.software),
+            forward_only=any("gbuffer" not in self._techniques(name) for name in self.draws.solid_effects),
+        )  # fmt: skip
+        self._gbuffer_bytes = view.width * view.height * bytes_per_pixel(lighting.gbuffer) * lighting.deferred
+        if lighting.path == "forward":
+            self.light_lists.forget()
+        else:
+            self.light_lists.upload_bounds(self._lights.bounds)
+            self.light_lists.prepare(lighting, view.width, view.height, lights)
+            block["tiles"], block["clusters"] = self.light_lists.view_fields(lighting, view.camera.znear)
+        smooth = bool(settings.alpha_to_coverage) and choice.samples > 1 and self.draws.has_cutouts
+        return replace(facts, lighting=lighting, samples=choice.samples, alpha_to_coverage=smooth)
+
+    def _techniques(self, effect: str) -> Mapping[str, object]:
+        return self.residency.effects.get(effect).techniques
+
+    def _gbuffer_layout(self) -> int:
+        """The narrowest layout that holds all materials that the scene draws."""
+        materials = self.residency.materials
+        key = (self.draws.built_rev, materials.values_rev)
+        if self._layout[0] != key:
+            rows: dict[str, list[int]] = {}
+            for material in self.draws.materials:
+                record = materials.records[material]
+                rows.setdefault(record.effect.name, []).append(record.row)
+            layouts = [layout_of(materials.rows_of(effect)[used]) for effect, used in rows.items()]
+            self._layout = (key, widest(layouts))
+        return self._layout[1]
+
+    def _begin_check(self, view: View, graph: CompiledGraph) -> NumberCheck | None:
+        """The check of this frame's numbers, begun, where the settings ask for one."""
+        if not view.settings.wants_numbers:
+            return None
+        if self._numbers is None:
+            self._numbers = NumberCheck(self.device)
+        self._numbers.begin(graph)
+        return self._numbers
+
+    def _observer(self, graph: CompiledGraph, check: NumberCheck | None) -> OnPass:
+        """What goes round each pass: its timer and, after it, the check of its numbers."""
+        if check is None:
+            return self._on_pass
+
+        @contextlib.contextmanager
+        def observed(name: str) -> Iterator[None]:
+            with self._on_pass(name):
+                yield
+            with self._timer.gpu_pass(f"check of {name}"):
+                check.after(graph, name)
+
+        return observed
 
     @contextlib.contextmanager
     def _on_pass(self, name: str) -> Iterator[None]:
@@ -220,8 +354,25 @@ class Renderer:
             "texture_bytes": self.residency.texture_bytes,
             "geometry_bytes": sum(arena.byte_size for arena in self.residency.arenas),
             "transient_bytes": transient_bytes,
+            **self._light_counters(),
+            "graphs_compiled": sum(graph.compiles for graph in self.graphs.values()),
         }
         return stats
+
+    def _light_counters(self) -> dict[str, int]:
+        """What the light lists of this frame did; nothing where it has none."""
+        lists = self.light_lists
+        if not lists.columns:
+            return {}
+        stats = lists.read(wait=self.profile and self.device.caps.software)
+        counters = {
+            "light_lists": stats.tiles, "lights_tested": stats.tested, "lights_kept": stats.kept,
+            "light_list_overflows": stats.overflow, "light_list_bytes": lists.bytes,
+            "gbuffer_bytes": self._gbuffer_bytes,
+        }  # fmt: skip
+        if stats.needed < 0:
+            return counters
+        return {**counters, "lights_needed": stats.needed, "lights_needed_by_pixels": stats.in_pixels}
 
 
 def _context(device: Device, graph: Any, item: Pass, frame: RenderFrame) -> PassContext:
@@ -229,7 +380,7 @@ def _context(device: Device, graph: Any, item: Pass, frame: RenderFrame) -> Pass
 
 
 def _tone_map(scene: Scene, view: View) -> str:
-    if view.settings.view != "lit":
+    if view.settings.shading_view not in LIT_LOOK:
         return "none"  # debug views show values as they are
     chosen = view.settings.tone_map
     return scene.look.tone_map if chosen == "scene" else chosen

@@ -3,10 +3,37 @@
 from __future__ import annotations
 
 from engine.core.param import ParamBlock, param
+from engine.render.lighting import DEPTHS, PATH_CHOICES, TESTS, TILE_SIZES
 from engine.render.shadows.quality import DEFAULT, FILTER_CHOICES
 
 TONE_MAPS = ("none", "agx", "aces", "neutral")
-DEBUG_VIEWS = ("lit", "base_color", "normal", "roughness", "metallic", "occlusion", "emission", "cascades")
+DEBUG_VIEWS = (
+    "lit", "base_color", "normal", "roughness", "metallic", "occlusion", "emission", "cascades",
+    # lights per tile, as a heat map; what the G-buffer's words hold
+    "light_tiles", "gbuffer_normal", "gbuffer_color", "gbuffer_roughness", "gbuffer_f0",
+    # shaders/lib/debug_views.glsl
+    "lighting", "depth", "overdraw", "wireframe", "texel_density", "uv_checker",
+    # shaders/lib/skin_views.glsl
+    "weights", "influences",
+)  # fmt: skip
+#: shown as the lit picture is, exposed and tone-mapped
+LIT_LOOK = ("lit", "lighting")
+#: on black: what is behind the scene has none of what they show
+ON_BLACK = ("depth", "overdraw", "wireframe", "texel_density", "uv_checker")
+#: what a view shows, for tooltips and the status bar; the others say it by their names
+VIEW_LEGENDS = {
+    "lighting": "white surfaces under the scene's lights",
+    "depth": "white near, darker with every doubling of the distance",
+    "overdraw": "every shaded fragment adds a step: five are orange, ten and more pale",
+    "wireframe": "edges of the triangles that face the camera, hidden ones too",
+    "texel_density": "texels a metre: blue 32, green 512, red 8192; grey without a texture",
+    "uv_checker": "red along u, green along v, white at the origin; eight cells a turn; grey without UVs",
+    "weights": "a colour for each bone, mixed by its weight; grey without a skin",
+    "influences": "joints that move a vertex: blue 1, green 2, yellow 3, red 4, violet more; grey without a skin",
+    "light_tiles": "lights in each tile's list: blue few, red many, white all",
+}
+#: the lit picture, dimmed, with what is no number marked
+NONFINITE = "nonfinite"
 
 
 class RenderSettings(ParamBlock):
@@ -25,8 +52,25 @@ class RenderSettings(ParamBlock):
         "scene", choices=("scene", "environment", "color"), doc="what is behind; scene = as the scene file says"
     )
     background_blur: float = param(0.0, min=0.0, max=1.0, step=0.01, doc="blur of the background: a roughness")
-    view: str = param("lit", choices=DEBUG_VIEWS, doc="debug view of one input of the shading")
+    view: str = param("lit", choices=(*DEBUG_VIEWS, NONFINITE), doc="debug view of one input of the shading")
     samples: int = param(4, min=1, max=8, doc="anti-aliasing samples a pixel (1, 2, 4, 8; limited by the device)")
+    alpha_to_coverage: bool = param(True, doc="smooth edges of cut-outs, where a pixel has several samples")
+    path: str = param(
+        "auto", choices=PATH_CHOICES,
+        doc="how local lights reach surfaces; all give one picture. auto: the cheapest for this scene and device",
+    )  # fmt: skip
+    light_tile: str = param("16", choices=tuple(map(str, TILE_SIZES)), unit="px", doc="width of a tile of light lists")
+    light_test: str = param(
+        "aabb", choices=TESTS, doc="light against tile: planes of its frustum, box about its pixels, cone from the eye"
+    )
+    light_depth: str = param(
+        "bins", choices=DEPTHS, doc="a tile's depth: nearest to farthest, 32 bins between, or clusters (slices)"
+    )
+    light_form: str = param(
+        "exact", choices=("exact", "three-pass"),
+        doc="deferred only: shade in each volume, or gather light apart from surfaces (fewer bytes, approximate)",
+    )  # fmt: skip
+    light_stats: bool = param(False, doc="count the lights that each tile and pixel needs, too (slow)")
     shadows: bool = param(True, doc="the sun (the first one) casts shadows")
     shadow_filter: str = param(
         "auto", choices=FILTER_CHOICES,
@@ -46,3 +90,13 @@ class RenderSettings(ParamBlock):
     sun_angle: float = param(0.53, min=0.0, max=20.0, step=0.01, unit="deg", doc="width of the sun, for pcss")
     anisotropy: float = param(8.0, min=1.0, max=16.0, step=1.0, doc="texture sharpness at a grazing angle; 1 = off")
     force_all: bool = param(False, doc="leave nothing out: every pass and every branch runs")
+    check_numbers: bool = param(False, doc="count NaN and infinities in what each pass wrote (slow)")
+
+    @property
+    def shading_view(self) -> str:
+        """The view that surfaces are shaded for: marks lie over the lit picture."""
+        return "lit" if self.view == NONFINITE else str(self.view)
+
+    @property
+    def wants_numbers(self) -> bool:
+        return bool(self.check_numbers) or self.view == NONFINITE

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.gpu.glsl_layout import Field, layout
+from engine.render.camera import Camera
 from engine.render.light_rows import MAX_SUNS, LightRows
 from engine.render.view import View
 
@@ -27,6 +28,14 @@ VIEW_LAYOUT = layout(
         Field("size", "vec4"),  # width, height, 1/width, 1/height
         Field("suns", "vec4", 2 * MAX_SUNS),  # direction (where it shines), illuminance; for each directional light
         Field("counts", "uvec4"),  # lights in the buffer, suns
+        # where a pixel is (lib/position.glsl). Perspective: base + (z + x ndc.x + y ndc.y) * near / depth, base.w =
+        # near; else base + x ndc.x + y ndc.y + z (1 - depth)
+        Field("place_base", "vec4"),
+        Field("place_x", "vec4"),
+        Field("place_y", "vec4"),
+        Field("place_z", "vec4"),
+        Field("tiles", "uvec4"),  # of light lists: log2 of the size, entries there is room for, columns, rows
+        Field("clusters", "vec4"),  # slice = log2(view depth) * x + y; z slices, 0 where lists are of tiles
         Field("shadow_axes", "vec4", 3),  # world -> light space: right, up, towards the sun
         Field("shadow", "vec4"),  # cascades, filter radius in texels, tangent of the sun's half angle, 1 / map size
         Field("shadow_fade", "vec4"),  # view depth where shadows begin to fade, 1 / how long they do
@@ -68,4 +77,22 @@ def fill_view_block(
     row["size"] = (view.width, view.height, 1.0 / view.width, 1.0 / view.height)
     row["suns"] = lights.suns.reshape(-1, 4)
     row["counts"] = (lights.count, lights.sun_count, 0, 0)
+    _fill_place(row, camera, origin_from_camera, view.aspect)
     return row
+
+
+def _fill_place(row: NDArray[np.void], camera: Camera, origin_from_camera: NDArray[np.float64], aspect: float) -> None:
+    """The fields that lead from a pixel and its depth to a point relative to the origin."""
+    right, up, back, eye = origin_from_camera[:3].T
+    if camera.ymag > 0.0:
+        # depth falls from 1 at znear to 0 at zfar
+        row["place_base"] = (*(eye - back * camera.znear), 0.0)
+        row["place_x"] = (*(right * camera.ymag * aspect), 0.0)
+        row["place_y"] = (*(up * camera.ymag), 0.0)
+        row["place_z"] = (*(-back * (camera.zfar - camera.znear)), 0.0)
+    else:
+        half_height = math.tan(camera.yfov / 2)
+        row["place_base"] = (*eye, camera.znear)
+        row["place_x"] = (*(right * half_height * aspect), 0.0)
+        row["place_y"] = (*(up * half_height), 0.0)
+        row["place_z"] = (*-back, 0.0)

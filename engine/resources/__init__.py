@@ -5,6 +5,7 @@ texture_pool.py    TexturePool: texture arrays by (format, size, mips), so that 
 material_store.py  MaterialStore: a row per material in its effect's table, its texture group, its queue
 environment.py     EnvironmentMap: the prefiltered cube, its SH9 irradiance, the DFG table
 hot_reload.py      HotReload: edited effects, shaders and materials to the screen; the last good picture stays
+samples.py         sample_scene: a scene made by code, straight from memory
 residency.py       Residency: paths -> ids, loads once, replaces what fails by magenta and says so
 
 .lmesh ──► MeshArena ──┐

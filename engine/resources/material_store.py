@@ -11,6 +11,9 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from engine.assets.material import MaterialAsset, TextureRef
 from engine.gpu.types import Buffer, Device, Sampler, SamplerDesc, Texture
 from engine.materials.effect import Effect
@@ -150,6 +153,10 @@ class MaterialStore:
     def values_rev(self) -> int:
         """Counts changes of values, those of structure included."""
         return self.structure_rev + sum(rows.table.rev for rows in self._effects.values())
+
+    def rows_of(self, effect: str) -> NDArray[np.void]:
+        """The rows of an effect's materials, a view: do not write to it."""
+        return self._effects[effect].table.rows
 
     def buffer(self, effect: str) -> Buffer:
         """The GPU rows of `effect`, uploaded if they changed."""

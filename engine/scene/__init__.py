@@ -4,7 +4,10 @@
        ^                      │       ^ one batched product per level, touched subtrees only
        └───── to_asset ───────┤       │ node
                               ├─ instances (mesh, submesh, material, bounds) ─> world spheres ─ culling ─> bool[n]
+                              ├─ skins (joints, bind; linear or dual) ─> palettes; morphs (weights by node): both grow
+                              │    the spheres of what they bend
                               ├─ lights, cameras (name a node) ───────────────> world() structured rows
+                              │    light_order: one order whatever the rows'; scatter: many at once; light_profiles
                               └─ counts() ─> what there is, hashable
 
 Row numbers stay until the row is removed; a removed row's number is used again with the next generation. `Node` views

@@ -84,6 +84,7 @@ def scene_asset(scene: Scene, base: SceneAsset | None) -> SceneAsset:
         environment=copy.copy(scene.environment),
         look=copy.copy(scene.look),
         active_camera=index_of.get(scene.active_camera, -1),
+        animation=base.animation if base else "",
         provenance=dict(base.provenance) if base else {},
     )
 

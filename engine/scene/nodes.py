@@ -284,6 +284,11 @@ class NodeTable(Table):
             self._data["linear"][row] = local[:3, :3]
             self._data["has_matrix"][row] = True
 
+    def touch(self, rows: Rows) -> None:
+        """Count `rows` as moved although their transforms stay: what hangs on them has another shape now."""
+        self._data["moved"][self.select(rows)] = True
+        self._dirty = True
+
     def set_visible(self, rows: Rows, values: ArrayLike) -> None:
         """Set the nodes' own visibility, bool [k] or one for all."""
         where = self.select(rows)

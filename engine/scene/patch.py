@@ -22,7 +22,10 @@ from engine.scene.scene import Scene
 from engine.scene.table import RowValues, TableState
 
 TABLES = ("nodes", "instances", "lights", "cameras")
-SKIN_COLUMNS = {"node": "i8", "first": "i8", "count": "i8", "joint": "i8", "inverse_bind": "f8", "reach": "f8"}
+SKIN_COLUMNS = {
+    "node": "i8", "first": "i8", "count": "i8", "joint": "i8", "inverse_bind": "f8", "reach": "f8", "follow": "f8",
+    "dual": "?",
+}  # fmt: skip
 
 
 @dataclass(slots=True)
@@ -47,6 +50,8 @@ class Side:
     skins: Mapping[str, NDArray[Any]] | None = None
     row_of_node: NDArray[np.int64] | None = None
     active_camera: int = -1
+    #: LightTable.profiles, which the lights' rows index; only ever longer
+    profiles: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,16 +102,19 @@ def difference(scene: Scene, before: SceneState) -> ScenePatch:
         Side(
             olds, {r: _name(before.names, r) for r in named}, {r: before.sources.get(r) for r in sourced},
             None if same_skins else before.skins, None if same_rows else before.row_of_node, before.active_camera,
+            tuple(scene.lights.profiles),
         ),
         Side(
             news, {r: _name(scene.nodes.name, r) for r in named}, {r: scene.sources.get(r) for r in sourced},
             None if same_skins else skins, None if same_rows else scene.row_of_node.copy(), scene.active_camera,
+            tuple(scene.lights.profiles),
         ),
     )  # fmt: skip
 
 
 def put(scene: Scene, side: Side) -> None:
     """Bring the scene to that side of a patch; it must be at the other one, or at this one already."""
+    scene.lights.profiles.extend(side.profiles[len(scene.lights.profiles) :])
     for name in TABLES:
         getattr(scene, name).put(side.tables[name])
     for row, text in side.names.items():
@@ -145,6 +153,7 @@ def side_to_plain(side: Side) -> dict[str, Any]:
         "skins": None if side.skins is None else {name: values.tolist() for name, values in side.skins.items()},
         "row_of_node": None if side.row_of_node is None else side.row_of_node.tolist(),
         "active_camera": side.active_camera,
+        "profiles": list(side.profiles),
     }  # fmt: skip
 
 
@@ -170,6 +179,7 @@ def side_from_plain(data: Mapping[str, Any], scene: Scene) -> Side:
         skins,
         None if rows_of is None else np.array(rows_of, np.int64),
         int(data["active_camera"]),
+        tuple(str(path) for path in data.get("profiles", ())),
     )
 
 

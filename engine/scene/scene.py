@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,7 @@ from engine.math import bounds
 from engine.scene.cameras import CameraTable
 from engine.scene.instances import InstanceTable
 from engine.scene.lights import LightTable
+from engine.scene.morphs import MorphTable
 from engine.scene.node import Node
 from engine.scene.nodes import NodeTable
 from engine.scene.skins import SkinTable
@@ -31,10 +33,12 @@ class SceneCounts:
     spot: int
     instances: int
     cameras: int
+    #: rectangles and disks
+    area: int = 0
 
     @property
     def lights(self) -> int:
-        return self.directional + self.point + self.spot
+        return self.directional + self.point + self.spot + self.area
 
 
 class Scene:
@@ -51,10 +55,13 @@ class Scene:
         self.nodes = NodeTable()
         self.instances = InstanceTable(self.nodes)
         self.skins = SkinTable(self.nodes, self.instances)
+        self.morphs = MorphTable(self.nodes, self.instances, self.skins)
         self.lights = LightTable(self.nodes)
         self.cameras = CameraTable(self.nodes)
         self.environment = EnvironmentAsset()
         self.look = LookAsset()
+        #: what relative paths (of light profiles) start from
+        self.folder = Path()
         #: node row of the camera to use, or -1
         self.active_camera = -1
         #: row of each node of the asset this scene was made from; -1 once removed
@@ -88,7 +95,7 @@ class Scene:
     def structure_rev(self) -> int:
         """Rises when a row of any table is added, removed or hung elsewhere, or a material is changed."""
         tables = (self.nodes, self.instances, self.lights, self.cameras)
-        return sum(table.structure_rev for table in tables) + self.skins.structure_rev
+        return sum(table.structure_rev for table in tables) + self.skins.structure_rev + self.morphs.structure_rev
 
     @property
     def transform_rev(self) -> int:
@@ -99,7 +106,8 @@ class Scene:
         """Bring world transforms, visibility and world spheres up to date; return the node rows whose world changed."""
         changed = self.nodes.update()
         self.instances.update()
-        self.skins.update()
+        if self.skins.update():
+            self.morphs.update_skinned()
         return changed
 
     def node(self, row: int) -> Node:
@@ -142,8 +150,9 @@ class Scene:
         """Return what there is, as of the last update. Cached until a table changes."""
         key = (self.structure_rev, self.nodes.visible_rev, self.lights.rev, self.instances.drawn_rev)
         if self._counts is None or self._counts[0] != key:
-            kinds = np.bincount(self.lights.type[self.lights.shining()], minlength=3)
+            kinds = np.bincount(self.lights.type[self.lights.shining()], minlength=5)
             drawn = int(np.count_nonzero(self.instances.drawn))
-            counts = SceneCounts(int(kinds[0]), int(kinds[1]), int(kinds[2]), drawn, self.cameras.alive_count)
+            area = int(kinds[3] + kinds[4])
+            counts = SceneCounts(int(kinds[0]), int(kinds[1]), int(kinds[2]), drawn, self.cameras.alive_count, area)
             self._counts = (key, counts)
         return self._counts[1]

@@ -9,12 +9,32 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from engine.core.errors import InputError
+from engine.math import quat
 from engine.math.bounds import largest_scale
+from engine.math.transform import decompose
 from engine.scene.instances import InstanceTable
 from engine.scene.nodes import NodeTable
 
 F8 = NDArray[np.float64]
 I8 = NDArray[np.int64]
+
+
+METHODS = ("linear", "dual_quaternion")
+
+
+def dual_rows(matrices: F8) -> F8:
+    """Affine matrices f8[n,3,4] as rows (rotation xyzw), (dual part xyzw), (scale xyz, 0): f8[n,3,4].
+
+    The dual part of a rigid motion is (t, 0) q / 2 (Kavan et al. 2008, eq. 4). Shear is lost."""
+    whole = np.zeros((len(matrices), 4, 4))
+    whole[:, :3], whole[:, 3, 3] = matrices, 1.0
+    translation, rotation, scale = decompose(whole)
+    out = np.zeros((len(matrices), 3, 4))
+    out[:, 0] = rotation
+    pure = np.concatenate([translation, np.zeros((len(translation), 1))], axis=1)
+    out[:, 1] = 0.5 * quat.multiply(pure, rotation)
+    out[:, 2, :3] = scale
+    return out
 
 
 class SkinTable:
@@ -39,6 +59,9 @@ class SkinTable:
         self.reach: F8 = np.zeros(0)
         #: f8[skins,4,4]: bind space from world for skins that also follow their own node (see `add`), else NaN
         self.follow: F8 = np.zeros((0, 4, 4))
+        #: bool[skins]: whether rotations are blended as dual quaternions (see `set_method`)
+        self.dual: NDArray[np.bool_] = np.zeros(0, np.bool_)
+        self._spheres: F8 = np.zeros((0, 4))
         self._seen: tuple[int, int, int] = (-1, -1, -1)
 
     def __len__(self) -> int:
@@ -68,6 +91,7 @@ class SkinTable:
         self.reach = np.concatenate([self.reach, far])
         back = np.full((4, 4), np.nan) if bind_world is None else np.linalg.inv(np.asarray(bind_world, np.float64))
         self.follow = np.concatenate([self.follow, back[None]])
+        self.dual = np.append(self.dual, False)
         self.structure_rev += 1
         return len(self.node) - 1
 
@@ -82,6 +106,7 @@ class SkinTable:
         joints = np.repeat(keep, self.count)
         self.joint, self.inverse_bind, self.reach = self.joint[joints], self.inverse_bind[joints], self.reach[joints]
         self.node, self.count, self.follow = self.node[keep], self.count[keep], self.follow[keep]
+        self.dual = self.dual[keep]
         self.first = np.cumsum(self.count) - self.count
         self.structure_rev += 1
 
@@ -108,22 +133,47 @@ class SkinTable:
         out[rows, :, 3] += by[:, :, 3]
         return out
 
+    def set_method(self, skin: int, method: str) -> None:
+        """Blend the joints of a skin by `linear` matrices or as `dual_quaternion`s. Raises InputError for another."""
+        if method not in METHODS:
+            raise InputError(f"unknown skinning {method!r}", hint=f"choose one of {', '.join(METHODS)}")
+        dual = method == "dual_quaternion"
+        if dual != bool(self.dual[skin]):
+            self.dual = self.dual.copy()
+            self.dual[skin] = dual
+            self.structure_rev += 1
+
+    def method(self, skin: int) -> str:
+        return METHODS[int(self.dual[skin])]
+
     def palette(self, origin: F8) -> NDArray[np.float32]:
-        """f4[joints,3,4]: from mesh space to the world relative to `origin` f8[3], per joint, as of the last update."""
+        """f4[joints,3,4]: from mesh space to the world relative to `origin` f8[3], per joint, as of the last update.
+
+        For dual skins the three rows are the rotation and the dual part (xyzw each) and the scale (xyz, 0)."""
         world = self.joint_world()
         with np.errstate(over="ignore", invalid="ignore"):  # a joint beyond float32 takes only its own vertices along
             out = world[:, :, :3] @ self.inverse_bind
             out[:, :, 3] += world[:, :, 3] - origin
+            if self.dual.any():
+                rows = np.flatnonzero(np.repeat(self.dual, self.count))
+                out[rows] = dual_rows(out[rows])
             return out.astype(np.float32)
 
-    def update(self) -> None:
-        """Give the skinned instances world spheres that hold their pose. Call after nodes and instances."""
+    def sphere(self, skin: int) -> F8:
+        """f8[4]: centre and radius, in the world, of what hangs on a skin, as of the last update."""
+        found: F8 = self._spheres[skin]
+        return found
+
+    def update(self) -> bool:
+        """Give the skinned instances world spheres that hold their pose; True when they moved. Call after nodes and
+        instances."""
         seen = (self._nodes.transform_rev, self.structure_rev, self._instances.structure_rev)
         if seen == self._seen or len(self) == 0:
-            return
+            return False
         self._seen = seen
         with np.errstate(over="ignore", invalid="ignore"):
             self._place_spheres()
+        return True
 
     def _place_spheres(self) -> None:
         world = self.joint_world()
@@ -134,6 +184,7 @@ class SkinTable:
         center = (low + high) / 2
         off = np.linalg.norm(place - np.repeat(center, self.count, axis=0), axis=1) + reach
         radius = np.minimum(np.maximum.reduceat(off, self.first), np.linalg.norm(high - low, axis=1) / 2)
+        self._spheres = np.concatenate([center, radius[:, None]], axis=1)
         table = self._instances
         skin = self.of_nodes(table.node)
         rows = np.flatnonzero(table.alive & (skin >= 0))

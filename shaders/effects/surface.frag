@@ -5,6 +5,22 @@
 #if SUN_SHADOWS
 #include "lib/shadows.glsl"
 #endif
+#ifdef ALPHA_TO_COVERAGE
+#include "lib/alpha_coverage.glsl"
+#endif
+#include "lib/skin_views.glsl"
+#if VIEW_OF_SKIN
+layout(location = 9) in vec3 v_skin;
+#endif
+#include "lib/debug_views.glsl"
+// views of what a G-buffer holds
+#define GBUFFER_VIEW (DEBUG_VIEW >= 9 && DEBUG_VIEW <= 12)
+#if LOCAL_LIGHTS || GBUFFER || GBUFFER_VIEW
+#include "lib/gbuffer.glsl"
+#endif
+#if LOCAL_LIGHTS
+#include "lib/local_lights.glsl"
+#endif
 
 layout(location = 0) in vec3 v_position;
 layout(location = 1) in vec3 v_normal;
@@ -23,6 +39,17 @@ layout(location = 6) in vec4 v_color;
 #endif
 
 layout(location = 0) out vec4 o_color;
+#if GBUFFER
+layout(location = 1) out uvec2 o_gbuffer0;
+#if GBUFFER_LAYOUT == 0
+layout(location = 2) out uint o_gbuffer1;
+#else
+layout(location = 2) out uvec2 o_gbuffer1;
+#endif
+#if GBUFFER_LAYOUT == 2
+layout(location = 3) out uint o_gbuffer2;
+#endif
+#endif
 
 struct Surface {
     vec4 base_color;
@@ -86,6 +113,11 @@ Surface gather(MaterialParams m)
     s.normal = safe_normalize(m.normal_scale * (xy.x * tangent + xy.y * bitangent) + z * s.normal);
 #endif
     s.smooth_normal = smooth_normal;
+#if VIEW_LIGHTING
+    s.base_color.rgb = vec3(1.0);
+    s.metallic = 0.0;
+    s.emission = vec3(0.0);
+#endif
 #if DOUBLE_SIDED
     if (!gl_FrontFacing) {
         s.normal = -s.normal;
@@ -106,41 +138,110 @@ float first_sun(Surface s)
     return 1.0;
 }
 
-vec3 shade(MaterialParams m, Surface s, vec3 v)
+// Reflectance at normal incidence where the surface is no metal.
+vec3 dielectric_f0(MaterialParams m)
 {
     float dielectric = (m.ior - 1.0) / (m.ior + 1.0);
-    vec3 f0 = min(dielectric * dielectric * m.specular_color, vec3(1.0)) * m.specular;
-    f0 = mix(f0, s.base_color.rgb, s.metallic);
+    return min(dielectric * dielectric * m.specular_color, vec3(1.0)) * m.specular;
+}
+
+// All but the local lights.
+vec3 shade(MaterialParams m, Surface s, vec3 v)
+{
+    vec3 f0 = mix(dielectric_f0(m), s.base_color.rgb, s.metallic);
     float f90 = mix(m.specular, 1.0, s.metallic);
     vec3 diffuse_albedo = s.base_color.rgb * (1.0 - s.metallic);
     vec3 color = s.emission;
 #if ENVIRONMENT
     color += environment_lighting(s.normal, v, f0, diffuse_albedo, s.roughness, s.occlusion);
 #endif
-#if SUNS || LOCAL_LIGHTS
-    Reflector r = Reflector(s.normal, v, f0, f90, diffuse_albedo, s.roughness * s.roughness, max(dot(s.normal, v), 1e-4));
-#endif
 #if SUNS
+    Reflector r = Reflector(s.normal, v, f0, f90, diffuse_albedo, s.roughness * s.roughness, max(dot(s.normal, v), 1e-4));
     color += sun_lighting(r, first_sun(s));
-#endif
-#if LOCAL_LIGHTS
-    color += local_lighting(v_position, r);
 #endif
     return color;
 }
+
+#if LOCAL_LIGHTS || GBUFFER || GBUFFER_VIEW
+SurfaceTexels texels_of(MaterialParams m, Surface s)
+{
+#if UNLIT
+    return pack_nothing();
+#else
+    return pack_surface(s.normal, s.base_color.rgb, s.metallic, s.roughness, dielectric_f0(m), m.specular);
+#endif
+}
+#endif
+
+#if LOCAL_LIGHTS
+vec3 add_lights(vec3 color, SurfaceTexels t)
+{
+#if MULTISAMPLED
+    vec3 p = v_position;
+#else
+    vec3 p = position_from_depth(gl_FragCoord.xy, gl_FragCoord.z);
+#endif
+    Reflector r = unpack_surface(t, safe_normalize(view_vector(p)));
+    return add_local_lights(color, uvec2(gl_FragCoord.xy), p, r, BLENDED);
+}
+#endif
+
+#if VIEW_OF_SURFACE
+// One thing about the surface instead of its shading.
+vec3 surface_view(MaterialParams m)
+{
+#if VIEW_DEPTH
+    return depth_view(gl_FragCoord.z, view.camera.w > 0.5);
+#elif VIEW_OVERDRAW
+    return OVERDRAW_STEP;
+#elif VIEW_WIREFRAME
+    return vec3(0.75);
+#elif HAS_UV0
+#if UV1
+    vec2 uv = m.base_color_map_uv == 1u ? v_uv1 : v_uv0;
+#else
+    vec2 uv = v_uv0;
+#endif
+#if UV_TRANSFORM
+    uv = vec2(dot(m.base_color_map_row0.xyz, vec3(uv, 1.0)), dot(m.base_color_map_row1.xyz, vec3(uv, 1.0)));
+#endif
+#if VIEW_UV_CHECKER
+    return uv_checker_view(uv);
+#elif BASE_COLOR_MAP
+    return texel_density_view(uv, vec2(textureSize(t_base_color_map, 0).xy), v_position);
+#elif NORMAL_MAP
+    return texel_density_view(uv, vec2(textureSize(t_normal_map, 0).xy), v_position);
+#elif METAL_ROUGH_MAP
+    return texel_density_view(uv, vec2(textureSize(t_metal_rough_map, 0).xy), v_position);
+#else
+    return vec3(0.08);
+#endif
+#else
+    return vec3(0.08);
+#endif
+}
+#endif
 
 void main()
 {
     MaterialParams m = materials[v_material];
     Surface s = gather(m);
 #if ALPHA_TEST
+#ifdef ALPHA_TO_COVERAGE
+    gl_SampleMask[0] = alpha_coverage(s.base_color.a, m.alpha_cutoff);
+    if (gl_SampleMask[0] == 0) discard;
+#else
     if (s.base_color.a < m.alpha_cutoff) discard;
+#endif
     s.base_color.a = 1.0;
 #endif
 #if UNLIT
     vec3 color = s.base_color.rgb;
 #else
     vec3 color = shade(m, s, safe_normalize(view_vector(v_position)));
+#endif
+#if LOCAL_LIGHTS && !UNLIT
+    color = add_lights(sanitise(color), texels_of(m, s));
 #endif
 #if DEBUG_VIEW == 1
     color = s.base_color.rgb;
@@ -159,11 +260,34 @@ void main()
 #if CASCADE_TINT
     color *= cascade_tint(v_position);
 #endif
+#elif VIEW_OF_SKIN
+    color = v_skin * (0.6 + 0.4 * sat(s.normal.y * 0.5 + 0.5));
+#elif VIEW_OF_SURFACE
+    color = surface_view(m);
+    s.base_color.a = 1.0;
+#elif GBUFFER_VIEW
+    SurfaceTexels seen = texels_of(m, s);
+    Reflector stored = unpack_surface(seen, s.normal);
+    vec2 rough_red = unpackUnorm2x16(seen.a.y);
+    vec3 views[4] = vec3[4](stored.n * 0.5 + 0.5, vec3(rough_red.y, unpackUnorm2x16(seen.b.x)), vec3(rough_red.x), stored.f0);
+    color = views[DEBUG_VIEW - 9];
 #endif
 #if BLENDED
     float alpha = coverage(s.base_color.a);
     o_color = vec4(sanitise(color) * alpha, alpha);  // premultiplied
 #else
     o_color = vec4(sanitise(color), 1.0);
+#endif
+#if GBUFFER
+    SurfaceTexels t = texels_of(m, s);
+    o_gbuffer0 = t.a;
+#if GBUFFER_LAYOUT == 0
+    o_gbuffer1 = t.b.x;
+#else
+    o_gbuffer1 = t.b;
+#endif
+#if GBUFFER_LAYOUT == 2
+    o_gbuffer2 = t.c;
+#endif
 #endif
 }

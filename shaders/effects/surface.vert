@@ -1,6 +1,14 @@
 // Object to clip space. Positions are relative to the view's origin (a point near the camera), so that float32 is
 // enough however far from the world's origin the scene lies.
 
+// effects of a project's own may not know these
+#ifndef MORPH
+#define MORPH 0
+#endif
+#ifndef DUAL_QUATERNION
+#define DUAL_QUATERNION 0
+#endif
+
 layout(location = 0) in vec3 a_position;
 #if HAS_NORMAL
 layout(location = 1) in vec4 a_normal;
@@ -46,33 +54,44 @@ layout(location = 6) out vec4 v_color;
 #endif
 
 #if SKINNING
-// Linear blend skinning (Magnenat-Thalmann et al. 1988): the rows of the weighted sum of the joints' matrices.
-void add_joint(uint first, uint joint, float weight, inout vec4 r0, inout vec4 r1, inout vec4 r2)
-{
-    uint i = 3u * (first + joint);
-    r0 += weight * palette[i];
-    r1 += weight * palette[i + 1u];
-    r2 += weight * palette[i + 2u];
-}
+#include "lib/skinning.glsl"
+#endif
+#if MORPH
+#include "lib/morph.glsl"
+#endif
+#ifdef DEBUG_VIEW
+#include "lib/skin_views.glsl"
+#if VIEW_OF_SKIN
+layout(location = 9) out vec3 v_skin;
+#endif
 #endif
 
 void main()
 {
     uvec4 object = objects[a_object];
 #if SKINNING
-    vec4 r0 = vec4(0.0);
-    vec4 r1 = vec4(0.0);
-    vec4 r2 = vec4(0.0);
-    for (int k = 0; k < 4; ++k) add_joint(object.w, a_joints[k], a_weights[k], r0, r1, r2);
-#if HAS_JOINTS1
-    for (int k = 0; k < 4; ++k) add_joint(object.w, a_joints1[k], a_weights1[k], r0, r1, r2);
-#endif
+    vec4 r0, r1, r2;
+    skin_rows(object.w, r0, r1, r2);
 #else
     vec4 r0 = transforms[3u * object.x];
     vec4 r1 = transforms[3u * object.x + 1u];
     vec4 r2 = transforms[3u * object.x + 2u];
 #endif
-    vec4 p = vec4(a_position, 1.0);
+    vec3 position = a_position;
+#if HAS_NORMAL
+    vec3 normal = a_normal.xyz;
+#else
+    vec3 normal = vec3(0.0);
+#endif
+#if NORMAL_MAP
+    vec3 tangent = a_tangent.xyz;
+#else
+    vec3 tangent = vec3(0.0);
+#endif
+#if MORPH
+    morph(a_object, position, normal, tangent);
+#endif
+    vec4 p = vec4(position, 1.0);
     v_position = vec3(dot(r0, p), dot(r1, p), dot(r2, p));
     gl_Position = view.clip_from_origin * vec4(v_position, 1.0);
 
@@ -90,13 +109,13 @@ void main()
     float handedness = dot(l0, c0) < 0.0 ? -1.0 : 1.0;
 #endif
 #if HAS_NORMAL
-    vec3 n = a_normal.xyz * handedness;
+    vec3 n = normal * handedness;
     v_normal = vec3(dot(c0, n), dot(c1, n), dot(c2, n));
 #else
     v_normal = vec3(0.0);  // only depth is drawn
 #endif
 #if NORMAL_MAP
-    vec3 t = a_tangent.xyz;
+    vec3 t = tangent;
     v_tangent = vec4(dot(l0, t), dot(l1, t), dot(l2, t), a_tangent.w * handedness);
 #endif
 #if HAS_UV0
@@ -109,4 +128,22 @@ void main()
     v_color = a_color;
 #endif
     v_material = object.y;
+#ifdef DEBUG_VIEW
+#if VIEW_OF_SKIN
+    v_skin = NO_SKIN;
+#if SKINNING
+    int used = 0;
+    vec3 mixed = vec3(0.0);
+    for (int k = 0; k < 4; ++k) {
+        used += int(a_weights[k] > 0.0);
+        mixed += a_weights[k] * joint_color(a_joints[k]);
+#if HAS_JOINTS1
+        used += int(a_weights1[k] > 0.0);
+        mixed += a_weights1[k] * joint_color(a_joints1[k]);
+#endif
+    }
+    v_skin = VIEW_WEIGHTS ? mixed : count_color(used);
+#endif
+#endif
+#endif
 }

@@ -1,6 +1,9 @@
 // Depth only: cuts away what the surface's alpha test cuts. Opaque casters have no work here.
 
 #if ALPHA_TEST
+#ifdef ALPHA_TO_COVERAGE
+#include "lib/alpha_coverage.glsl"
+#endif
 layout(location = 2) flat in uint v_material;
 #if HAS_UV0
 layout(location = 4) in vec2 v_uv0;
@@ -34,6 +37,10 @@ void main()
 #if VERTEX_COLOR
     alpha *= v_color.a;
 #endif
+#ifdef ALPHA_TO_COVERAGE
+    gl_SampleMask[0] = alpha_coverage(alpha, m.alpha_cutoff);
+#else
     if (alpha < m.alpha_cutoff) discard;
+#endif
 #endif
 }

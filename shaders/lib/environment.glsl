@@ -1,9 +1,9 @@
 // Image-based light: irradiance from nine spherical-harmonic coefficients, specular from a cube map whose mips are
 // prefiltered with GGX, and the split-sum table (Karis 2013, "Real Shading in Unreal Engine 4", pp. 4-7).
+#include "lib/dfg.glsl"
 #include "lib/math.glsl"
 
 layout(binding = 8) uniform samplerCube t_environment;
-layout(binding = 9) uniform sampler2D t_dfg;
 
 // World direction -> direction in the environment, which may be turned about +Y.
 vec3 environment_direction(vec3 d_ws)
@@ -42,9 +42,7 @@ vec3 environment_radiance(vec3 d_ws, float perceptual_roughness)
 vec3 environment_lighting(vec3 n, vec3 v, vec3 f0, vec3 diffuse_albedo, float perceptual_roughness, float occlusion)
 {
     float n_dot_v = clamp(dot(n, v), 1e-4, 1.0);
-    float n_dfg = float(textureSize(t_dfg, 0).x);  // the table has texels at 0 and at 1
-    vec2 dfg_uv = (vec2(n_dot_v, perceptual_roughness) * (n_dfg - 1.0) + 0.5) / n_dfg;
-    vec2 dfg = textureLod(t_dfg, dfg_uv, 0.0).rg;
+    vec2 dfg = split_sum(n_dot_v, perceptual_roughness);
     vec3 fss_ess = f0 * dfg.x + dfg.y;
     float ess = dfg.x + dfg.y;
     float ems = 1.0 - ess;

@@ -143,3 +143,15 @@ def test_damaged_text_raises_only_our_errors() -> None:
             parse_scene("".join(text), "s")
         except LucarnaError:
             continue
+
+
+def test_lights_of_every_kind_come_back(tmp_path: Path) -> None:
+    lights = [
+        LightAsset("rectangle", (1.0, 0.5, 0.0), 3.0, 2.0, width=0.25, height=4.0, two_sided=True),
+        LightAsset("disk", width=0.0), LightAsset("spot", temperature=2700.0, profile="lamps/a.ies"),
+    ]  # fmt: skip
+    scene = SceneAsset("s", [NodeAsset(f"n{k}", light=light) for k, light in enumerate(lights)])
+    write_scene(tmp_path / "s.scene.json", scene)
+    assert [node.light for node in read_scene(tmp_path / "s.scene.json").nodes] == lights
+    spot = next(line for line in (tmp_path / "s.scene.json").read_text("utf-8").splitlines() if '"n2"' in line)
+    assert '"width"' not in spot, "defaults are left out"

@@ -10,6 +10,7 @@ from engine.core.errors import InputError
 from engine.core.findings import Findings
 from engine.math import quat
 from engine.scene import cameras, lights
+from engine.scene.light_order import canonical_order
 from engine.scene.scene import Scene
 
 
@@ -149,3 +150,81 @@ def test_orthographic_may_begin_behind_the_camera() -> None:
     notes = Findings()
     assert cameras.sanitize(CameraAsset("orthographic", znear=-5.0, zfar=5.0), notes).znear == -5.0
     assert len(notes) == 0
+
+
+AREA = LightAsset("rectangle", (1, 0.5, 0.25), 8.0, 20.0, width=2.0, height=0.5, two_sided=True, temperature=3000.0)
+
+
+def test_area_light_rows_and_their_frame() -> None:
+    scene = Scene()
+    turn = quat.from_axis_angle([0, 1, 0], math.pi / 2)
+    scene.lights.add(scene.nodes.add("a", rotation=turn, scale=[5, 0.1, 5]), AREA)
+    scene.lights.add(scene.nodes.add("flat", scale=[0, 0, 0]), LightAsset("disk", profile="x.ies"))
+    scene.update()
+    area, flat = scene.lights.world()
+    assert np.allclose(area["right"], [0, 0, -1], atol=1e-6), "the node's X; its scale changes no size"
+    assert area["half_size"].tolist() == [1.0, 0.25]
+    assert (area["type"], area["two_sided"], flat["profile"]) == (3, True, -1)
+    assert area["radiant"][0] > 8.0 > area["radiant"][2], "3000 K is warm"
+    assert np.dot(flat["right"], flat["direction"]) == 0.0
+    assert np.linalg.norm(flat["right"]) == pytest.approx(1.0)
+    assert (scene.counts().area, scene.counts().lights) == (2, 2)
+    assert scene.lights.asset(0) == AREA
+
+
+@pytest.mark.parametrize(
+    ("given", "fixed"),
+    [
+        (LightAsset("disk", width=-1.0), {"width": 0.0}),
+        (LightAsset("disk", height=math.nan), {"height": 0.0}),
+        (LightAsset("disk", width=math.inf), {"width": lights.MAX_SIZE}),
+        (LightAsset(temperature=3.0), {"temperature": 500.0}),
+        (LightAsset(temperature=-3.0), {"temperature": 0.0}),
+        (LightAsset(temperature=1e9), {"temperature": 1e6}),
+    ],
+)
+def test_new_light_values_are_mended(given: LightAsset, fixed: dict[str, object]) -> None:
+    test_light_values_are_mended_and_noted(given, fixed)
+
+
+def test_profiles_are_named_once() -> None:
+    scene = Scene()
+    node = scene.nodes.add("a")
+    for path in ("a.ies", "", "b.ies", "a.ies"):
+        scene.lights.add(node, LightAsset("spot", profile=path))
+    assert scene.lights.profiles == ["a.ies", "b.ies"]
+    assert scene.lights.profile.tolist() == [0, -1, 1, 0]
+    assert [scene.lights.asset(row).profile for row in range(4)] == ["a.ies", "", "b.ies", "a.ies"]
+
+
+def test_world_stays_while_only_others_move() -> None:
+    scene = Scene()
+    lamp, other = scene.nodes.add_many(["lamp", "other"], None, np.zeros((2, 3)), [[0, 0, 0, 1]] * 2, np.ones((2, 3)))
+    scene.lights.add(int(lamp), LightAsset("point"))
+    scene.update()
+    first = scene.lights.world()
+    for x in (1.0, 2.0):
+        scene.nodes.set_translation(other, [x, 0, 0])
+        scene.update()
+        assert scene.lights.world() is first
+    scene.nodes.set_translation(lamp, [7, 0, 0])
+    scene.update()
+    assert scene.lights.world()["position"][0, 0] == 7.0
+
+
+def test_order_depends_on_the_values_alone() -> None:
+    rng = np.random.default_rng(1)
+    world = np.zeros(300, lights.WORLD_LIGHT)
+    world["position"] = rng.integers(-2, 3, (300, 3))  # many share a place
+    world["radiant"] = rng.integers(0, 3, (300, 3))
+    world["range"] = rng.integers(0, 2, 300)
+    shuffled = world[rng.permutation(300)]
+    one, two = world[canonical_order(world)], shuffled[canonical_order(shuffled)]
+    assert one.tobytes() == two.tobytes()
+    assert sorted(canonical_order(world).tolist()) == list(range(300))
+    step = np.linalg.norm(np.diff(one["position"], axis=0), axis=1).mean()
+    assert step < 0.5 * np.linalg.norm(np.diff(world["position"], axis=0), axis=1).mean(), "neighbours are neighbours"
+    assert len(canonical_order(world[:0])) == 0
+    far = world[:2].copy()
+    far["position"] = [[-1e300, 0, 0], [1e300, 0, 0]]
+    assert sorted(canonical_order(far).tolist()) == [0, 1]

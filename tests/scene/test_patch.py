@@ -107,3 +107,15 @@ def test_revisions_only_rise(scene: Scene) -> None:
         put(scene, side)
         seen.append(scene.structure_rev)
     assert seen == sorted(set(seen)), "whoever keeps something by revision makes it anew"
+
+
+def test_a_new_light_profile_survives_undo_redo_and_a_journal(scene: Scene) -> None:
+    before = remember(scene)
+    scene.lights.set(0, profile="lamp.ies", width=2.0)
+    patch = difference(scene, before)
+    put(scene, patch.before)
+    assert scene.lights.asset(0).profile == ""
+    fresh = Scene.from_asset(scene.to_asset())
+    fresh.instances.add_many(range(6), 0, 0, 0, (0.0, 0.0, 0.0), 1.0)
+    put(fresh, side_from_plain(json.loads(json.dumps(side_to_plain(patch.after))), fresh))
+    assert (fresh.lights.asset(0).profile, fresh.lights.asset(0).width) == ("lamp.ies", 2.0)

@@ -165,3 +165,22 @@ def _list(values: Sequence[float] | float) -> str:
 
 def _join(lines: Sequence[str]) -> str:
     return "\n".join(lines)
+
+
+def rich_scene() -> str:
+    """A bit of everything that the reader reads."""
+    fbx = FbxBuilder(unit=2.54, up="z", application="Maya")
+    root = fbx.node("root", kind="Null", Lcl_Rotation=(10.0, 20.0, 30.0))
+    node = fbx.node("plate", root, GeometricTranslation=(1.0, 2.0, 3.0))
+    corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (0.0, 0.0), (1.0, 0.0), (1.0, 1.0)]
+    geometry = fbx.mesh(node, [*QUAD, (50.0, 300.0, 0.0)], ((0, 1, 2, 3), (3, 2, 4)), corners)
+    fbx.texture(fbx.material(node, DiffuseColor=(1.0, 0.5, 0.0)), "x.png")
+    bone = fbx.node("bone", kind="LimbNode")
+    bind = [1.0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]
+    fbx.skin(geometry, [(bone, [0, 1, 2], [1.0, 0.5, 0.25], bind), (root, [2, 3], [0.75, 1.0], bind)])
+    channel = fbx.shape(geometry, "up", [4], [(0.0, 0.0, 10.0)])
+    layer = fbx.stack("go", 0.0, 1.0)
+    fbx.curve(layer, bone, "Lcl Rotation", "d|Y", [(0.0, 0.0), (1.0, 90.0)])
+    fbx.curve(layer, node, "Lcl Translation", "d|X", [(0.0, 0.0), (1.0, 9.0)])
+    fbx.curve(layer, channel, "DeformPercent", "d|DeformPercent", [(0.0, 0.0), (1.0, 100.0)])
+    return fbx.text()

@@ -159,3 +159,16 @@ MORPH_XML = """<mesh>
  </animations>
 </mesh>
 """
+
+
+def rigged(b: OgreBytes) -> tuple[bytes, bytes]:
+    rows = [(v, v % 2, 1.0) for v in range(4)]
+    link, lod = b.chunk(0x6000, b.text("t.skeleton")), b.chunk(0x8000, bytes(20))
+    pose = b.chunk(0xC100, b.text("p"), b.pack("H?", 1, False), b.chunk(0xC111, b.pack("I3f", 1, 0, 1, 0)))
+    key = b.chunk(0xD112, b.pack("f", 0.5), b.chunk(0xD113, b.pack("Hf", 0, 1)))
+    animation = b.chunk(0xD000, b.chunk(0xD100, b.text("a"), b.pack("f", 1), b.chunk(0xD110, b.pack("HH", 2, 1), key)))
+    part = b.submesh("m", SQUARE_INDICES, b.square_geometry(), assignments=rows)
+    mesh = b.mesh(part, link, lod, b.chunk(0xC000, pose), animation)
+    tracks = [(0, [b.key(0), b.key(0.5, translation=(1, 0, 0))]), (1, [b.key(0), b.key(1, scale=(2, 2, 2))])]
+    skeleton = b.skeleton(b.bone("a", 0), b.bone("b", 1, (0, 1, 0)), b.parent(1, 0), b.animation("walk", 1, tracks))
+    return mesh, skeleton

@@ -36,7 +36,8 @@ class ShaderProbe:
 
     def __call__(
         self, code: str, *includes: str, storage: Mapping[int, Any] | None = None,
-        textures: Mapping[int, Any] | None = None, declare: str = "", **inputs: ArrayLike,
+        textures: Mapping[int, Any] | None = None, declare: str = "", defines: Mapping[str, int] | None = None,
+        **inputs: ArrayLike,
     ) -> NDArray[np.float32]:  # fmt: skip
         arrays = {name: _columns(values) for name, values in inputs.items()}
         count = max((len(a) for a in arrays.values()), default=1)
@@ -65,7 +66,7 @@ class ShaderProbe:
         )
         file = self._folder / "probe.comp"
         file.write_text(text + "\n", encoding="utf-8")
-        source = flatten(file, "compute", search=[self._shaders], prelude=SCENE_PRELUDE)
+        source = flatten(file, "compute", search=[self._shaders], prelude=SCENE_PRELUDE, defines=defines)
         device = self._device
         pipeline = device.compute_pipeline(ComputePipelineDesc("probe", source))
         given, made = device.buffer(data), device.buffer(count * 16)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import ctypes
 import logging
 import re
 from typing import TYPE_CHECKING
 
 from engine.core.errors import LucarnaError
 from engine.gpu.gl import enums as e
+from engine.gpu.gl.texel_formats import internal_format
 from engine.gpu.types import (
     Caps,
     ColorAttachment,
@@ -21,6 +23,7 @@ from engine.gpu.types import (
 if TYPE_CHECKING:
     from engine.gpu.gl.context import Context
     from engine.gpu.gl.device import GlDevice
+    from engine.gpu.gl.functions import Functions
 
 log = logging.getLogger(__name__)
 
@@ -35,6 +38,7 @@ def probe(context: Context) -> Caps:
     anisotropic = context.version >= (4, 6) or bool(
         extensions & {"GL_ARB_texture_filter_anisotropic", "GL_EXT_texture_filter_anisotropic"}
     )
+    most_samples = max(1, min(gl.integer(e.MAX_COLOR_TEXTURE_SAMPLES), gl.integer(e.MAX_DEPTH_TEXTURE_SAMPLES)))
     return Caps(
         backend="gl",
         device=renderer,
@@ -53,8 +57,22 @@ def probe(context: Context) -> Caps:
         uniform_alignment=gl.integer(e.UNIFORM_BUFFER_OFFSET_ALIGNMENT),
         storage_alignment=gl.integer(e.SHADER_STORAGE_BUFFER_OFFSET_ALIGNMENT),
         max_uniform_bytes=gl.integer(e.MAX_UNIFORM_BLOCK_SIZE),
-        max_samples=max(1, min(gl.integer(e.MAX_COLOR_TEXTURE_SAMPLES), gl.integer(e.MAX_DEPTH_TEXTURE_SAMPLES))),
+        max_samples=most_samples,
+        sample_counts=_sample_counts(gl),
     )
+
+
+def _sample_counts(gl: Functions) -> tuple[int, ...]:
+    """Of colour and of depth alike. A texture of two samples may come with four, two of which nobody would read."""
+    common: set[int] | None = None
+    for format in ("rgba16f", "d32f"):
+        count = ctypes.c_int()
+        where = (e.TEXTURE_2D_MULTISAMPLE, internal_format(format))
+        gl.GetInternalformativ(*where, e.NUM_SAMPLE_COUNTS, 1, ctypes.byref(count))
+        counts = (ctypes.c_int * max(1, count.value))()
+        gl.GetInternalformativ(*where, e.SAMPLES, len(counts), ctypes.byref(counts))
+        common = set(counts) if common is None else common & set(counts)
+    return tuple(sorted((common or set()) - {0, 1}))
 
 
 _VERTEX = """

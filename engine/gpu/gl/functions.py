@@ -15,7 +15,7 @@ _TYPES: dict[str, Any] = {
 SIGNATURES: dict[str, str] = {
     # queries of the context
     "GetError": "u", "GetString": "su", "GetStringi": "suu", "GetIntegerv": "vup", "GetInteger64v": "vup",
-    "GetFloatv": "vup", "IsEnabled": "bu", "Finish": "v", "Flush": "v",
+    "GetFloatv": "vup", "GetInternalformativ": "vuuuip", "IsEnabled": "bu", "Finish": "v", "Flush": "v",
     # state
     "Enable": "vu", "Disable": "vu", "Enablei": "vuu", "Disablei": "vuu", "ClipControl": "vuu", "Viewport": "viiii",
     "DepthMask": "vb", "DepthFunc": "vu", "DepthRangef": "vff", "CullFace": "vu", "FrontFace": "vu",

@@ -1,4 +1,5 @@
-"""Opaque and alpha-tested surfaces, shaded forward into the HDR target."""
+"""Opaque and alpha-tested surfaces: emission, environment and suns; local lights too where the path is a forward one,
+else what these will need to know is written beside (the G-buffer)."""
 
 from __future__ import annotations
 
@@ -7,10 +8,19 @@ from typing import Any, ClassVar
 from engine.framegraph.builder import Builder
 from engine.framegraph.passes import Pass, PassContext
 from engine.gpu.types import ColorAttachment, DepthAttachment
+from engine.render.facts import SceneFacts
 from engine.render.frame import RenderFrame
+from engine.render.gbuffer import LAYOUTS, NO_REFLECTION, texture_names
+from engine.render.passes.light_culling import LIGHT_TILES, light_list_inputs
 from engine.render.passes.shadow_cascades import SUN_SHADOW, shadow_inputs
 
 HDR_FORMAT = "rgba16f"
+
+#: rgba32f: the sum of all light before it is rounded to the target, in deferred paths
+LIGHT_SUM = "light_sum"
+
+#: rgba16f: light apart from surfaces, in the three-pass form: diffuse light, luminance of the specular one
+GATHERED = "light_gathered"
 
 
 class OpaquePass(Pass):
@@ -21,15 +31,63 @@ class OpaquePass(Pass):
 
     def declare(self, b: Builder) -> None:
         b.read(SUN_SHADOW, optional=True)
-        samples = b.facts.samples
-        b.create("hdr", HDR_FORMAT, samples=samples)
-        b.create("depth", "d32f", samples=samples)
+        samples, lighting = b.facts.samples, b.facts.lighting
+        if lighting.deferred:
+            b.create(LIGHT_SUM, "rgba32f")
+            if lighting.three_pass:
+                b.create(GATHERED, "rgba16f")
+            for name, format in zip(texture_names(lighting.gbuffer), LAYOUTS[lighting.gbuffer], strict=True):
+                b.create(name, format)
+        else:
+            b.create("hdr", HDR_FORMAT, samples=samples)
+        if lighting.path == "forward-plus":
+            b.read(LIGHT_TILES)
+            b.write("depth")
+        else:
+            b.create("depth", "d32f", samples=samples)
 
     def execute(self, ctx: PassContext) -> None:
         frame: RenderFrame = ctx.frame
+        lighting = frame.facts.lighting
         background: Any = frame.look["background"]
-        color = ColorAttachment(ctx.texture("hdr"), clear=background)
-        with ctx.device.render_pass(
-            self.name, [color], DepthAttachment(ctx.texture("depth"), clear=0.0)
-        ) as render_pass:
-            frame.draw_batches(render_pass, frame.draws.opaque, frame.facts.samples, shadow_inputs(ctx))
+        batches = frame.draws.opaque
+        inputs = shadow_inputs(ctx)
+        if lighting.deferred:
+            colors = [ColorAttachment(ctx.texture(LIGHT_SUM), clear=background)]
+            nothing = (float(NO_REFLECTION), 0.0, 0.0, 0.0)
+            colors += [ColorAttachment(ctx.texture(n), clear=nothing) for n in texture_names(lighting.gbuffer)]
+            batches = [batch for batch in batches if frame.programs.has_role(batch.state, "gbuffer")]
+            if lighting.three_pass:
+                clear_gathered = ColorAttachment(ctx.texture(GATHERED), clear=(0.0, 0.0, 0.0, 0.0))
+                ctx.device.render_pass(f"{self.name} gathered", [clear_gathered]).end()
+        else:
+            colors = [ColorAttachment(ctx.texture("hdr"), clear=background)]
+        clear = None
+        if lighting.path == "forward-plus":
+            inputs = {**inputs, **light_list_inputs(ctx)}
+        else:
+            clear = 0.0
+        with ctx.device.render_pass(self.name, colors, DepthAttachment(ctx.texture("depth"), clear)) as render_pass:
+            frame.draw_batches(render_pass, batches, frame.facts.samples, inputs)
+
+
+class OpaqueForwardPass(Pass):
+    """What cannot be deferred: solid surfaces of effects without a technique for the G-buffer. Behind the lighting."""
+
+    name: ClassVar[str] = "opaque_forward"
+    reach: ClassVar[int | None] = 0
+
+    def needs(self, facts: SceneFacts) -> bool | str:
+        return True if facts.lighting.forward_only else "every solid surface has a G-buffer technique"
+
+    def declare(self, b: Builder) -> None:
+        b.read(SUN_SHADOW, optional=True)
+        b.write("hdr")
+        b.write("depth")
+
+    def execute(self, ctx: PassContext) -> None:
+        frame: RenderFrame = ctx.frame
+        batches = [batch for batch in frame.draws.opaque if not frame.programs.has_role(batch.state, "gbuffer")]
+        depth = DepthAttachment(ctx.texture("depth"))
+        with ctx.device.render_pass(self.name, [ColorAttachment(ctx.texture("hdr"))], depth) as render_pass:
+            frame.draw_batches(render_pass, batches, frame.facts.samples, shadow_inputs(ctx))

@@ -9,6 +9,7 @@ from engine.framegraph.passes import Pass, PassContext
 from engine.gpu.types import ColorAttachment, DepthAttachment
 from engine.render.facts import SceneFacts
 from engine.render.frame import RenderFrame
+from engine.render.passes.light_culling import LIGHT_TILES, light_list_inputs
 from engine.render.passes.shadow_cascades import SUN_SHADOW, shadow_inputs
 
 
@@ -22,10 +23,12 @@ class TransparentPass(Pass):
     def declare(self, b: Builder) -> None:
         b.read("depth")
         b.read(SUN_SHADOW, optional=True)
+        b.read(LIGHT_TILES, optional=True)
         b.write("hdr")
 
     def execute(self, ctx: PassContext) -> None:
         frame: RenderFrame = ctx.frame
         depth = DepthAttachment(ctx.texture("depth"), read_only=True)
         with ctx.device.render_pass(self.name, [ColorAttachment(ctx.texture("hdr"))], depth) as render_pass:
-            frame.draw_batches(render_pass, frame.draws.blended, frame.facts.samples, shadow_inputs(ctx))
+            inputs = {**shadow_inputs(ctx), **light_list_inputs(ctx)}
+            frame.draw_batches(render_pass, frame.draws.blended, frame.facts.samples, inputs)

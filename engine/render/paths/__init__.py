@@ -1,1 +1,11 @@
-"""Render paths: which passes, in which order, make a frame."""
+"""Which passes make a frame, by path. All paths share the surface shader, the light table and one sum of lights.
+
+forward.py      every surface is shaded as it is drawn, by all lights of the scene: the truth
+forward_plus.py depth first, light lists per tile, then as forward with the tile's list; MSAA
+deferred.py     surfaces write a G-buffer; light volumes, or one compute pass over tiles, add the local lights
+choice.py       which path a frame takes, and why: asked for, or the cheapest by a cost model
+
+    shadows ─► depth ─► lists ─► opaque (lists) ─────────────────────► sky ─► transparent (lists) ─► tone map
+    shadows ─► opaque + G-buffer ─► lists ─► tiled shading / volumes ─► sky ─► transparent (lists) ─► tone map
+Where a scene has no local light every path is the forward one, to the bit.
+"""

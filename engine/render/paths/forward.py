@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from engine.framegraph.passes import Pass
+from engine.render.passes.light_heat import LightHeatPass
 from engine.render.passes.opaque import OpaquePass
 from engine.render.passes.resolve import ResolvePass
 from engine.render.passes.shadow_cascades import ShadowCascadesPass
@@ -12,4 +13,6 @@ from engine.render.passes.transparent import TransparentPass
 
 
 def forward_passes() -> list[Pass]:
-    return [ShadowCascadesPass(), OpaquePass(), SkyPass(), TransparentPass(), ResolvePass(), ToneMapPass()]
+    return [
+        ShadowCascadesPass(), OpaquePass(), SkyPass(), TransparentPass(), LightHeatPass(), ResolvePass(), ToneMapPass(),
+    ]  # fmt: skip

@@ -1,0 +1,130 @@
+"""Light lists of tiles: which local lights can reach what each tile shows, in ascending order.
+
+    depth ─► tile_bounds ─► (light_view ─► light_bins) ─► light_tiles ─► headers (LIGHT_TILES) + light list
+Stages and their buffers: engine/render/light_lists.py.
+"""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+import numpy as np
+
+from engine.framegraph.builder import Builder
+from engine.framegraph.passes import WHOLE_PICTURE, Pass, PassContext
+from engine.gpu.glsl_layout import Field, layout
+from engine.gpu.types import Bindings
+from engine.render.facts import SceneFacts
+from engine.render.frame import (
+    DEPTH_UNIT,
+    LIGHT_BOUNDS_BINDING,
+    LIGHT_LIST_BINDING,
+    LIGHT_TILES_UNIT,
+    PASS_BINDING,
+    VIEW_BINDING,
+    RenderFrame,
+)
+from engine.render.lighting import TESTS
+
+#: rg32ui array, a texel per tile: first entry in the light list, count; a layer per list
+LIGHT_TILES = "light_tiles"
+
+BLOCK = layout(
+    [
+        Field("words", "uint"),  # of a mask with a bit per light
+        Field("bin_columns", "uint"),
+        Field("blended", "uint"),  # 1: lists for what is blended are wanted
+        Field("first_list", "uint"),
+    ],
+    rule="std140",
+)
+SEEN, TILES, VIEW_MASK, BIN_MASK, BIN_DEPTH, COUNTERS = 0, 1, 2, 3, 4, 7
+
+
+class LightCullingPass(Pass):
+    """Its headers reach the whole picture: where a list begins depends on all tiles before it."""
+
+    name: ClassVar[str] = "light_culling"
+    reach: ClassVar[int | None] = WHOLE_PICTURE
+
+    def needs(self, facts: SceneFacts) -> bool | str:
+        if not facts.local_lights:
+            return "no local lights"
+        if facts.lighting.path == "deferred" and not (facts.transparent or facts.debug_view == "light_tiles"):
+            return "light volumes need no lists, and nothing is blended"
+        return True
+
+    def declare(self, b: Builder) -> None:
+        b.read("depth")
+        lighting = b.facts.lighting
+        width, height = b.view_size
+        size = (-(-width // lighting.tile), -(-height // lighting.tile))
+        b.create(LIGHT_TILES, "rg32ui", size=size, kind="2d-array", layers=lighting.lists)
+
+    def execute(self, ctx: PassContext) -> None:
+        frame: RenderFrame = ctx.frame
+        lists, lighting = frame.light_lists, frame.facts.lighting
+        blended = frame.facts.transparent or frame.facts.force_all
+        row = np.zeros((), BLOCK.dtype)
+        row["words"], row["bin_columns"], row["blended"] = lists.words, lists.bins[0], blended
+        block = frame.pass_block(self.name, row)
+        bins_x, bins_y = lists.bins
+        word_groups = -(-lists.words // 64)
+        layers = lighting.lists if lighting.clustered else 1 + blended
+        #: shader, groups
+        stages: tuple[tuple[str, dict[str, int], tuple[int, int, int]], ...] = (
+            ("tile_bounds.comp", {"SAMPLES": frame.facts.samples, "DEPTH_BINS": int(lighting.depth == "bins")},
+             (bins_x, bins_y, 1)),
+            ("light_view.comp", {}, (word_groups, 1, 1)),
+            ("light_bins.comp", {}, (word_groups, bins_x, bins_y)),
+            ("light_tiles.comp", {
+                "TEST": TESTS.index(lighting.test), "DEPTH_BINS": int(lighting.depth == "bins"),
+                "CLUSTERS": int(lighting.clustered), "LOOP_STEPS": lighting.steps,
+            }, (bins_x, bins_y, layers)),
+        )  # fmt: skip
+        bindings = Bindings(
+            uniforms={VIEW_BINDING: frame.view_buffer, PASS_BINDING: block},
+            storage={
+                TILES: lists.tiles, VIEW_MASK: lists.view_mask, BIN_MASK: lists.bin_mask, BIN_DEPTH: lists.bin_depth,
+                LIGHT_LIST_BINDING: lists.list, LIGHT_BOUNDS_BINDING: lists.bounds, COUNTERS: lists.counters,
+            },
+            textures={DEPTH_UNIT: (ctx.texture("depth"), frame.point_sampler)},
+            images={0: (ctx.texture(LIGHT_TILES), 0, "write")},
+        )  # fmt: skip
+        with ctx.device.compute_pass(self.name) as compute_pass:
+            compute_pass.set_bindings(bindings)
+            for shader, defines, groups in stages:
+                pipeline = frame.programs.compute(shader, block=BLOCK, block_name="culling", defines=defines)
+                compute_pass.set_pipeline(pipeline)
+                compute_pass.dispatch(*groups)
+        if frame.view.settings.light_stats:
+            self._count_needed(ctx)
+
+    def _count_needed(self, ctx: PassContext) -> None:
+        frame: RenderFrame = ctx.frame
+        lists = frame.light_lists
+        seen = frame.device.buffer(lists.list.size, label="entries seen")
+        bindings = Bindings(
+            uniforms={VIEW_BINDING: frame.view_buffer},
+            storage={
+                SEEN: seen, LIGHT_LIST_BINDING: lists.list, LIGHT_BOUNDS_BINDING: lists.bounds,
+                COUNTERS: lists.counters,
+            },
+            textures={
+                DEPTH_UNIT: (ctx.texture("depth"), frame.point_sampler),
+                LIGHT_TILES_UNIT: (ctx.texture(LIGHT_TILES), frame.point_sampler),
+            },
+        )  # fmt: skip
+        with ctx.device.compute_pass("light_needed") as compute_pass:
+            compute_pass.set_pipeline(
+                frame.programs.compute("light_needed.comp", defines={"SAMPLES": frame.facts.samples})
+            )
+            compute_pass.set_bindings(bindings)
+            compute_pass.dispatch(-(-ctx.size[0] // 8), -(-ctx.size[1] // 8))
+        seen.release()
+
+
+def light_list_inputs(ctx: PassContext) -> dict[int, Any]:
+    """The headers for shaders that read light lists, by texture unit."""
+    frame: RenderFrame = ctx.frame
+    return {LIGHT_TILES_UNIT: (ctx.texture(LIGHT_TILES), frame.point_sampler)} if ctx.has(LIGHT_TILES) else {}

@@ -1,0 +1,55 @@
+// Views of one thing about a surface; numbers as in engine/render/settings.py. Included by the surface's fragment shader.
+#include "lib/math.glsl"
+
+#define VIEW_LIGHTING (DEBUG_VIEW == 13)
+#define VIEW_DEPTH (DEBUG_VIEW == 14)
+#define VIEW_OVERDRAW (DEBUG_VIEW == 15)
+#define VIEW_WIREFRAME (DEBUG_VIEW == 16)
+#define VIEW_TEXEL_DENSITY (DEBUG_VIEW == 17)
+#define VIEW_UV_CHECKER (DEBUG_VIEW == 18)
+#define VIEW_OF_SURFACE (DEBUG_VIEW >= 14 && DEBUG_VIEW <= 18)
+
+// Each fragment adds so much: ten are white.
+const vec3 OVERDRAW_STEP = vec3(0.20, 0.10, 0.05);
+
+// White at the near plane, darker with every doubling of the distance; black at 4,096 times as far. With an
+// orthographic camera evenly from near to far. Depth is near / distance (reversed, endless).
+vec3 depth_view(float depth, bool perspective)
+{
+    float nearness = perspective ? sat(1.0 + log2(max(depth, 1e-9)) / 12.0) : sat(depth);
+    return vec3(nearness * nearness);
+}
+
+// Blue below 1, green at 2^4, red at 2^8 and above.
+vec3 heat_of_powers(float power)
+{
+    float x = sat(power / 8.0);
+    return clamp(vec3(2.0 * x - 1.0, 1.0 - abs(2.0 * x - 1.0), 1.0 - 2.0 * x), 0.0, 1.0) * 0.85 + 0.1;
+}
+
+// Texels a metre, of a texture of `size` texels laid by `uv` over the points `p`: heat from 32 (blue) over 512 (green) to
+// 8192 (red), checked in cells of 16 texels.
+vec3 texel_density_view(vec2 uv, vec2 size, vec3 p)
+{
+    vec2 du = dFdx(uv) * size;
+    vec2 dv = dFdy(uv) * size;
+    vec3 facet = cross(dFdx(p), dFdy(p));
+    float texels = abs(du.x * dv.y - du.y * dv.x);
+    float area = length(facet);
+    float density = sqrt(texels / max(area, 1e-20));
+    vec2 cell = floor(uv * size / 16.0);
+    float checked = mod(cell.x + cell.y, 2.0);
+    return heat_of_powers(log2(max(density, 1e-6)) - 5.0) * (0.75 + 0.25 * checked);
+}
+
+// Eight cells each way over one turn of uv; red grows with u, green with v (down), so that mirrored and turned parts show;
+// the cell at the origin is marked white.
+vec3 uv_checker_view(vec2 uv)
+{
+    vec2 turn = fract(uv);
+    vec2 cell = floor(turn * 8.0);
+    float checked = mod(cell.x + cell.y, 2.0);
+    vec3 tint = vec3(0.15 + 0.8 * turn.x, 0.15 + 0.8 * turn.y, 0.35);
+    if (cell.x + cell.y < 0.5) return vec3(1.0);
+    return tint * (checked > 0.5 ? 1.0 : 0.45);
+}

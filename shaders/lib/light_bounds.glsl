@@ -1,0 +1,18 @@
+// What a light can reach at most: engine/render/light_lists.py.
+layout(std430, binding = 6) readonly buffer LightBoundsBlock { vec4 light_bounds[]; };
+
+struct LightBound {
+    vec3 center;
+    float radius;     // at least ENDLESS: everywhere
+    vec3 axis;
+    float cos_angle;  // of the cone around the axis from the centre; -1: all around
+};
+
+const float ENDLESS = 1e18;
+
+LightBound light_bound(uint i)
+{
+    vec4 a = light_bounds[2u * i];
+    vec4 b = light_bounds[2u * i + 1u];
+    return LightBound(a.xyz, a.w, b.xyz, b.w);
+}
