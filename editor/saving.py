@@ -69,6 +69,7 @@ def save_document(document: Document, target: Path) -> list[Path]:
         if animation:
             write_text(target_dir / asset.animation, animation)
             written.append(target_dir / asset.animation)
+    asset.drive = getattr(document.runtime, "drive", asset.drive) if asset.animation else ""
     for path, changes in edited.items():
         inside = path.is_relative_to(source_dir)
         out = target_dir / path.relative_to(source_dir) if inside else path

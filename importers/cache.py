@@ -105,7 +105,7 @@ class Cache:
             if progress is not None:
                 progress(f"read {source.name}", 0.2)
             with relaxed(staging):  # entries are compared with their digests whenever they are copied
-                scene = stage(model, importer, source, staging, settings, timings, progress, name, key).name
+                scene = stage(model, importer, source, staging, settings, timings, progress, name).name
             besides = [[item.name, relative(item.path, source.parent), item.digest] for item in read_besides()]
             files = sorted((p for p in staging.iterdir()), key=lambda p: (p.name == scene, p.name))
             outputs = [{"name": p.name, "size": p.stat().st_size, "digest": _digest(p)} for p in files]

@@ -22,7 +22,7 @@ from engine.assets.scene_json import write_scene
 from engine.core.atomic import atomic_path
 from engine.core.errors import OutputError
 from engine.core.findings import Findings
-from importers.fingerprint import inputs_of, key_of
+from importers.fingerprint import digest_file
 from importers.gltf.variants import name_variants
 from importers.model import ImportedModel, TextureUse
 from importers.naming import UniqueNames, safe_name
@@ -76,15 +76,16 @@ def convert(
 
 def stage(
     model: ImportedModel, importer: Importer, source: Path, folder: Path, settings: ImportSettings,
-    timings: dict[str, float], progress: Progress | None = None, name: str = "", key: str = "",
+    timings: dict[str, float], progress: Progress | None = None, name: str = "",
 ) -> Path:  # fmt: skip
-    """Write all files of `model` into `folder`; returns the scene's path there. `key`: the source's key, where known.
+    """Write all files of `model` into `folder`; returns the scene's path there.
 
-    Raises OutputError."""
+    Raises InputError where the source is gone, OutputError."""
     base = safe_name(name or source.stem)
     provenance = {
         "source": source.name.encode("utf-8", "replace").decode("utf-8"),
-        "source_hash": key or _key(source, importer, settings, base),
+        # of the source alone: another texture leaves meshes and clips as they are
+        "source_hash": digest_file(source),
         "importer": f"{importer.name} {importer.version}",
     }
     clock = time.perf_counter()
@@ -121,11 +122,6 @@ def stage(
     write_scene(path, scene)
     timings["write"] = time.perf_counter() - clock
     return path
-
-
-def _key(source: Path, importer: Importer, settings: ImportSettings, name: str) -> str:
-    inputs = inputs_of(source, importer, settings)
-    return key_of(inputs, importer, settings, "" if name == safe_name(source.stem) else name)
 
 
 def _write_textures(

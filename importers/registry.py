@@ -34,7 +34,7 @@ class Importer:
 
     `version` is part of every cache key: raise it whenever the same source would give other bytes. `in_folders`:
     whether folders are searched for such files; False for what is mostly a part of other sources (images), which is
-    converted when it is named. `extra`: the optional extra whose absence the module reports.
+    converted when it is named, or where a folder holds nothing else. `extra`: the optional extra whose absence the module reports.
     """
 
     name: str

@@ -1,7 +1,8 @@
 """The whole check, as CI runs it: `python3 packaging/test.py [pytest's arguments]`.
 
 Format, lint, types, layers, tests, in this order; all of them run even if one fails. The exit code is 1 if any failed.
-The tests run on the software rasteriser and, where there is no display, on a virtual one.
+The tests run on the software rasteriser and, where there is no display, on a virtual one; the files of tests are shared
+out to one process per core (`-n 0`: none, to see what a test prints as it prints it).
 """
 
 from __future__ import annotations
@@ -17,6 +18,8 @@ from dataclasses import dataclass
 import _interpreter  # first of ours: leaves when this Python is too old
 import bootstrap
 
+#: the software rasteriser uses all cores for each picture: more processes than this only wait for one another
+MAX_PROCESSES = 4
 VIRTUAL_DISPLAY = ["xvfb-run", "-a", "-s", "-screen 0 1400x900x24"]
 
 
@@ -40,8 +43,16 @@ def steps(setup: bootstrap.Setup, pytest_arguments: Sequence[str], *, virtual_di
         Step("lint", [python, "-m", "ruff", "check"]),
         Step("types", [python, "-m", "mypy"]),
         Step("layers", [setup.script("lint-imports")]),
-        Step("tests", [*(VIRTUAL_DISPLAY if virtual_display else []), python, "-m", "pytest", *pytest_arguments]),
+        Step(
+            "tests",
+            [*(VIRTUAL_DISPLAY if virtual_display else []), python, "-m", "pytest", *side_by_side(), *pytest_arguments],
+        ),
     ]
+
+
+def side_by_side() -> list[str]:
+    """A file's tests stay in one process, because they share what is slow to make."""
+    return ["-n", str(min(os.cpu_count() or 1, MAX_PROCESSES)), "--dist", "loadfile"]
 
 
 def wants_virtual_display(environment: Mapping[str, str]) -> bool:

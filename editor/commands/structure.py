@@ -149,7 +149,8 @@ def delete(document: Document, rows: Sequence[int]) -> None:
 def duplicate(document: Document, rows: Sequence[int]) -> None:
     """Copy nodes with everything below and on them, beside the originals, and select the copies.
 
-    A copy of a skinned mesh hangs on the same joints, and so moves with the original."""
+    A copy of a skinned mesh hangs on the copies of those joints that are copied too, else on the same ones, and so
+    moves with the original. Clips move the joints of the file, not copies: those keep the pose they were copied in."""
     what = _what(document, rows)
     change(document, f"Duplicate {what}", lambda: copy_nodes(document, tops(document, rows)))
 
@@ -210,7 +211,10 @@ def _copy_contents(scene: Any, olds: NDArray[np.int64], news: NDArray[np.int64])
         bind = np.concatenate(
             [skins.inverse_bind[part], np.broadcast_to([[0.0, 0.0, 0.0, 1.0]], (count, 1, 4))], axis=1
         )
-        made = skins.add(int(new_of[skins.node[skin]]), skins.joint[part], bind, skins.reach[part])
+        joints = np.where(new_of[skins.joint[part]] >= 0, new_of[skins.joint[part]], skins.joint[part])
+        follow = skins.follow[skin]
+        bound = None if np.isnan(follow[0, 0]) else np.linalg.inv(follow)
+        made = skins.add(int(new_of[skins.node[skin]]), joints, bind, skins.reach[part], bound)
         skins.set_method(made, skins.method(skin))
 
 

@@ -6,6 +6,7 @@ undo entry. The wheel zooms, Shift and the wheel or the middle button move along
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -18,7 +19,7 @@ from editor.panels.base import Panel
 from editor.panels.timeline_canvas import GRIP, Canvas, begin_canvas, draw_playhead, draw_ruler, snapped
 from editor.panels.timeline_pages import draw_curves, draw_dope, shown_clip
 from editor.ui import Ui
-from editor.widgets import em, empty_state, flow, icon_button, search_field, text, tooltip
+from editor.widgets import cut, em, empty_state, flow, icon_button, search_field, text, tooltip
 from engine.core.errors import LucarnaError
 
 PAGES = (("tracks", "Tracks"), ("dope", "Dope sheet"), ("curves", "Curves"))
@@ -63,9 +64,10 @@ class TimelinePanel(Panel):
             return
         editor = AnimationEditor(session)
         self._bar(ui, editor)
-        canvas = self.canvas = begin_canvas(ui, max(session.playback.duration, 1e-3))
+        page, animation = session.animating.page, animation_of(session)
+        marked = page == "tracks" and animation is not None and bool(animation.model.markers)
+        canvas = self.canvas = begin_canvas(ui, max(session.playback.duration, 1e-3), markers=marked)
         draw_ruler(session, canvas)
-        page = session.animating.page
         if page == "tracks":
             self._tracks(ui, editor, canvas)
         else:
@@ -196,23 +198,28 @@ class TimelinePanel(Panel):
         lines.push_clip_rect((canvas.left, canvas.y), (canvas.x + canvas.width, canvas.y + canvas.height), True)
         times, names = animation_of(ui.session).sequence.occurrences()
         own = {(m.time, m.name) for m in model.markers}
+        places = [*(canvas.px(t) for t, n in zip(times.tolist(), names, strict=True) if (t, n) in own), math.inf]
+        middle, mouse, number = _marker_y(canvas), imgui.get_io().mouse_pos, 0
         for time, name in zip(times.tolist(), names, strict=True):
             x = canvas.px(time)
             mine = (time, name) in own
             color = theme.u32(theme.WARNING if mine else (*theme.WARNING[:3], 0.45))
-            lines.add_line(
-                (x, canvas.y + canvas.ruler * 0.6), (x, canvas.y + canvas.height), theme.u32((*theme.WARNING[:3], 0.25))
-            )
-            lines.add_circle_filled((x, canvas.y + canvas.ruler * 0.75), em(0.26), color)
-            if mine:
-                lines.add_text((x + em(0.35), canvas.y + canvas.ruler * 0.42), color, name)
+            lines.add_line((x, middle), (x, canvas.y + canvas.height), theme.u32((*theme.WARNING[:3], 0.25)))
+            lines.add_circle_filled((x, middle), em(0.26), color)
+            if mine:  # as much of its name as fits before the next one
+                number += 1
+                room = places[number] - x - em(0.8)
+                if room > em(1.5):
+                    lines.add_text((x + em(0.4), middle - em(0.5)), color, cut(name, room))
+            if imgui.is_item_hovered() and math.hypot(mouse.x - x, mouse.y - middle) < em(0.5):
+                imgui.set_tooltip(f"{name}  {time:.2f} s")
         lines.pop_clip_rect()
 
     # -- the pointer --------------------------------------------------------------------------------------------------
 
     def _at(self, canvas: Canvas, model: Any, x: float, y: float) -> Grab:
         """What lies under the pointer."""
-        if model is not None and abs(y - (canvas.y + canvas.ruler * 0.75)) < em(GRIP):
+        if model is not None and abs(y - _marker_y(canvas)) < em(GRIP):
             for k, marker in enumerate(model.markers):
                 if abs(canvas.px(marker.time) - x) < em(GRIP):
                     return Grab("marker", -1, k, marker.time - canvas.time(x))
@@ -428,6 +435,10 @@ def draw_block(canvas: Canvas, block: Any, y: float, color: theme.Rgba, chosen: 
         f"{block.clip}{speed}",
     )
     lines.pop_clip_rect()
+
+
+def _marker_y(canvas: Canvas) -> float:
+    return canvas.y + canvas.ruler - em(0.45)
 
 
 def text_at(canvas: Canvas, row: int, value: str) -> None:

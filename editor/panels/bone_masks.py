@@ -12,6 +12,7 @@ from editor import icons, theme
 from editor.animating.editing import AnimationEditor
 from editor.animating.following import animation_of
 from editor.panels.base import Panel
+from editor.param_widgets import filled_slider
 from editor.ui import Ui
 from editor.widgets import em, empty_state, icon_button, search_field, text, tooltip
 from engine.animation import mask as masks
@@ -117,6 +118,7 @@ class MasksPanel(Panel):
             if view.bone_search.lower() not in name.lower():
                 continue
             imgui.push_id(i)
+            imgui.align_text_to_frame_padding()
             self._bar(float(weights[i]))
             imgui.same_line(0, em(0.4) + (em(0.7) * int(depth[i]) if not view.bone_search else 0.0))
             mark = f"{icons.TREE} " if name in chosen else ""
@@ -125,7 +127,7 @@ class MasksPanel(Panel):
             tooltip("Click: it and all below follow, or no longer. The slider sets this bone alone")
             imgui.same_line()
             imgui.set_next_item_width(em(4.5))
-            changed, value = imgui.slider_float("##weight", float(weights[i]), 0.0, 1.0, "%.2f")
+            changed, value = filled_slider("##weight", float(weights[i]), 0.0, 1.0, "%.2f")
             if changed:
                 self._try(ui, lambda name=name, value=value: editor.mask_bone(
                     view.mask, name, round(float(value), 3), gesture=("bone", name)))  # fmt: skip
@@ -137,9 +139,10 @@ class MasksPanel(Panel):
         at, size = imgui.get_cursor_screen_pos(), em(0.7)
         imgui.dummy((size, imgui.get_text_line_height()))
         lines = imgui.get_window_draw_list()
-        low = at.y + imgui.get_text_line_height()
-        lines.add_rect_filled((at.x, at.y), (at.x + size, low), theme.u32(theme.FRAME))
-        lines.add_rect_filled((at.x, low - (low - at.y) * weight), (at.x + size, low), theme.u32(theme.ACCENT))
+        top = at.y + imgui.get_style().frame_padding.y
+        low = top + imgui.get_text_line_height()
+        lines.add_rect_filled((at.x, top), (at.x + size, low), theme.u32(theme.FRAME))
+        lines.add_rect_filled((at.x, low - (low - top) * weight), (at.x + size, low), theme.u32(theme.ACCENT))
 
     def _try(self, ui: Ui, change: Any) -> None:
         try:

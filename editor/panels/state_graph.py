@@ -12,7 +12,7 @@ from editor.animating.editing import AnimationEditor
 from editor.animating.following import animation_of, drive_of, runtime_of
 from editor.panels.base import Panel
 from editor.ui import Ui
-from editor.widgets import em, empty_state, icon_button, text
+from editor.widgets import cut, em, empty_state, fitted_text, icon_button, text
 from engine.core.errors import LucarnaError
 
 BOX = (8.5, 2.6)
@@ -31,6 +31,8 @@ class StateGraphPanel(Panel):
         self._offset = (0.0, 0.0)
         #: where the field begins, and the states' boxes in the window: for tests
         self.origin = (0.0, 0.0)
+        #: how far the graph was moved along, imgui units
+        self.shift = (0.0, 0.0)
         self.boxes: dict[str, tuple[float, float]] = {}
 
     def draw(self, ui: Ui) -> None:
@@ -78,7 +80,7 @@ class StateGraphPanel(Panel):
             if imgui.small_button("Let the states drive"):
                 self._try(ui, lambda: editor.drive("states"))
         else:
-            text("Drag a state; Shift and drag from one to another: a transition", theme.FAINT)
+            fitted_text("Drag a state; Shift and drag to another: a transition; middle button: move along", theme.FAINT)
 
     def _params(self, ui: Ui, editor: AnimationEditor, model: Any) -> None:
         animator = animation_of(ui.session).animator
@@ -129,7 +131,12 @@ class StateGraphPanel(Panel):
         at, avail = imgui.get_cursor_screen_pos(), imgui.get_content_region_avail()
         width, height = max(avail.x, 40.0), max(avail.y, 40.0)
         imgui.invisible_button("##graph", (width, height))
-        self.origin = (at.x, at.y)
+        if imgui.is_item_hovered() and imgui.is_mouse_down(imgui.MouseButton_.middle):
+            delta = imgui.get_io().mouse_delta
+            self.shift = (self.shift[0] + delta.x, self.shift[1] + delta.y)
+        elif imgui.is_item_hovered() and imgui.is_mouse_double_clicked(0) and not self._under(*_mouse()):
+            self.shift = (0.0, 0.0)
+        self.origin = (at.x + self.shift[0], at.y + self.shift[1])
         lines = imgui.get_window_draw_list()
         lines.push_clip_rect((at.x, at.y), (at.x + width, at.y + height), True)
         lines.add_rect_filled((at.x, at.y), (at.x + width, at.y + height), theme.u32(theme.FRAME), 3)
@@ -177,10 +184,13 @@ class StateGraphPanel(Panel):
         lines.add_rect(
             (x, y), (x + w, y + h), theme.u32(theme.ACCENT if chosen else (1, 1, 1, 0.2)), 5, 2.0 if chosen else 1.0
         )
-        lines.push_clip_rect((x, y), (x + w - 4, y + h), True)
-        lines.add_text((x + em(0.5), y + em(0.2)), theme.u32(theme.TEXT), ("▸ " if start else "") + name)
-        lines.add_text((x + em(0.5), y + em(1.25)), theme.u32(theme.DIM), state.clip or f"{state.blend} (blend)")
-        lines.pop_clip_rect()
+        title, plays = ("▸ " if start else "") + name, state.clip or f"{state.blend} (blend)"
+        room, mouse = w - em(0.9), imgui.get_io().mouse_pos
+        shown = cut(title, room), cut(plays, room)
+        lines.add_text((x + em(0.5), y + em(0.2)), theme.u32(theme.TEXT), shown[0])
+        lines.add_text((x + em(0.5), y + em(1.25)), theme.u32(theme.DIM), shown[1])
+        if shown != (title, plays) and imgui.is_item_hovered() and x <= mouse.x <= x + w and y <= mouse.y <= y + h:
+            imgui.set_tooltip(f"{name}\n{plays}")
 
     def _ends(self, t: Any) -> tuple[tuple[float, float], tuple[float, float]]:
         """Where an arrow begins and ends; arrows both ways lie side by side."""
@@ -264,6 +274,11 @@ def _distance(p: tuple[float, float], a: tuple[float, float], b: tuple[float, fl
     square = dx * dx + dy * dy
     u = min(max(((p[0] - a[0]) * dx + (p[1] - a[1]) * dy) / square, 0.0), 1.0) if square > 0.0 else 0.0
     return math.hypot(p[0] - a[0] - u * dx, p[1] - a[1] - u * dy)
+
+
+def _mouse() -> tuple[float, float]:
+    at = imgui.get_io().mouse_pos
+    return at.x, at.y
 
 
 PANEL = StateGraphPanel

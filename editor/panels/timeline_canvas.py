@@ -48,13 +48,13 @@ class Canvas:
         return self.left <= x <= self.x + self.width and self.y + self.ruler <= y <= self.y + self.height
 
 
-def begin_canvas(ui: Ui, duration: float) -> Canvas:
-    """Take what is left of the window as one item that reacts to the pointer."""
+def begin_canvas(ui: Ui, duration: float, *, markers: bool = False) -> Canvas:
+    """Take what is left of the window as one item that reacts to the pointer; `markers`: with room for their names."""
     view = ui.session.animating
     avail = imgui.get_content_region_avail()
     at = imgui.get_cursor_screen_pos()
     names = min(em(11), 0.3 * avail.x)
-    canvas = Canvas(at.x, at.y, max(avail.x, 50.0), max(avail.y, 40.0), names, em(1.5), view.scale)
+    canvas = Canvas(at.x, at.y, max(avail.x, 50.0), max(avail.y, 40.0), names, em(2.3 if markers else 1.5), view.scale)
     if not view.fitted or (not view.zoomed and abs(view.fitted_width - canvas.span) > 1.0):
         view.scale.fit(duration, canvas.span)
         view.fitted, view.zoomed, view.fitted_width = True, False, canvas.span
@@ -85,7 +85,7 @@ def draw_ruler(session: Session, canvas: Canvas) -> None:
     step = canvas.scale.step()
     for tick in canvas.scale.ticks(canvas.span):
         x = canvas.px(tick)
-        lines.add_line((x, top + canvas.ruler * 0.55), (x, bottom), theme.u32((1, 1, 1, 0.07)))
+        lines.add_line((x, top + em(0.8)), (x, bottom), theme.u32((1, 1, 1, 0.07)))
         lines.add_text((x + em(0.2), top + em(0.1)), theme.u32(theme.DIM), label(tick, step))
     low, high = canvas.px(playback.start), canvas.px(playback.stop)
     dark = theme.u32((0, 0, 0, 0.35))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -44,6 +45,11 @@ def short_count(value: float) -> str:
     return f"{value:g}"
 
 
+def asleep_line(counters: Mapping[str, float]) -> str:
+    """`2 of 3 animations asleep`."""
+    return f"{counters['animations_asleep']:g} of {counters['animations']:g} animations asleep"
+
+
 class TimingsPanel(Panel):
     title: ClassVar[str] = "Timings"
     icon: ClassVar[str] = icons.TIMER
@@ -67,6 +73,9 @@ class TimingsPanel(Panel):
                     break
                 text(value, theme.DIM)
         _bar(rows)
+        if stats.counters.get("animations_asleep"):
+            text(asleep_line(stats.counters), theme.DIM)
+            tooltip("Not sampled: nothing that they move was in the last picture. Their time and markers go on")
         self._table(ui, rows)
         self._left_out(frame.graph)
 

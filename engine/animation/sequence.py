@@ -7,6 +7,7 @@ root ─ way ─> where root motion has carried the character at each time
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence as Items
 from dataclasses import dataclass, field
 from typing import Literal
@@ -56,7 +57,7 @@ class Block:
         """f8[m]: how loud the block is. Its end counts as within: a timeline may stop there."""
         inside = (times >= self.start) & (times <= self.end)
         up = fade((times - self.start) / self.fade_in, self.curve) if self.fade_in > 0.0 else 1.0
-        # the complement of a fade in: two blocks that fade by the same curve always sum to 1
+        # the complement of a fade in: two blocks that fade by the same curve sum to 1; see `levels`
         begin = self.end - self.fade_out
         down = 1.0 - fade((times - begin) / self.fade_out, self.curve) if self.fade_out > 0.0 else 1.0
         return np.where(inside, np.minimum(up, down), 0.0)
@@ -129,16 +130,15 @@ class Sequence:
         at = np.atleast_1d(np.asarray(times, np.float64))[:1]
         found = []
         for i, track in enumerate(self.tracks):
-            for j, block in enumerate(track.blocks):
-                level = float(block.level(at)[0])
+            for j, (block, level) in enumerate(zip(track.blocks, levels(track.blocks, at)[:, 0].tolist(), strict=True)):
                 if level > 0.0 and not track.muted:
                     found.append((i, j, level, float(self.clip_time(track, block, at)[0])))
         return found
 
     def _lay(self, track: Track, at: F8, out: F8) -> None:
         heard = [b for b in track.blocks if b.start <= at.max() and b.end >= at.min()]
-        levels = np.array([b.level(at) for b in heard]).reshape(len(heard), len(at))
-        kept = [i for i in range(len(heard)) if levels[i].any()]
+        level = levels(heard, at)
+        kept = [i for i in range(len(heard)) if level[i].any()]
         if not kept:
             return
         inputs, moved = [], np.zeros(len(self.rig), np.bool_)
@@ -152,8 +152,8 @@ class Sequence:
             moved |= sampler.covers.any(axis=0)
             inputs.append(pose)
         blend = np.zeros_like(out)
-        BlendJob(inputs, levels[kept], self.rig.rest, blend).run()
-        weight = np.minimum(levels[kept].sum(axis=0), 1.0) * track.weight
+        BlendJob(inputs, level[kept], self.rig.rest, blend).run()
+        weight = np.minimum(level[kept].sum(axis=0), 1.0) * track.weight
         LayerJob(out, blend, weight, track.mask * moved, track.mode, track.reference).run()
 
     # -- time -----------------------------------------------------------------------------------------------------
@@ -175,10 +175,10 @@ class Sequence:
         start, end = min(b.start for b in blocks), max(b.end for b in blocks)
         count = int(np.clip((end - start) * RATE, 2, _MOST_STEPS))
         times = np.linspace(start, end, count)
-        levels = np.array([b.level(times) for b in blocks])
+        level = levels(blocks, times)
         seconds = np.array([self.clips[b.clip].sampler.duration / max(abs(b.speed), 1e-6) for b in blocks])
-        total = levels.sum(axis=0)
-        length = np.where(total > 0.0, levels.T @ seconds / np.where(total > 0.0, total, 1.0), 0.0)
+        total = level.sum(axis=0)
+        length = np.where(total > 0.0, level.T @ seconds / np.where(total > 0.0, total, 1.0), 0.0)
         rate = np.where(length > 0.0, 1.0 / np.where(length > 0.0, length, 1.0), 0.0)
         steps = 0.5 * (rate[1:] + rate[:-1]) * np.diff(times)
         return times, np.concatenate([[0.0], np.cumsum(steps)])
@@ -238,13 +238,13 @@ class Sequence:
         for track in self.tracks:
             if track.muted or track.mode == "additive":
                 continue
-            for block in track.blocks:
+            for block, heard in zip(track.blocks, levels(track.blocks, middle), strict=True):
                 way = self.ways[block.clip]
                 if way is None or not self.clips[block.clip].sampler.covers[:, way.root].any():
                     continue
                 if track.mask[way.root] <= 0.0:
                     continue
-                level = block.level(middle) * track.weight * track.mask[way.root]
+                level = heard * track.weight * track.mask[way.root]
                 # what lies over the rest takes its share
                 step = step * (1.0 - np.minimum(level, 1.0)) if track is not self.tracks[0] else step
                 total = total * (1.0 - np.minimum(level, 1.0)) if track is not self.tracks[0] else total
@@ -256,6 +256,22 @@ class Sequence:
         moved = np.cumsum(np.exp(1j * yaw[:-1]) * (step[0] - 1j * step[1]))
         place = np.concatenate([[0.0], moved])
         return times, np.stack([place.real, -place.imag, yaw])
+
+
+def levels(blocks: Items[Block], times: F8) -> F8:
+    """f8[k,m]: how loud each of a track's blocks is. In a cross-fade they sum to at least 1, whatever their curves:
+    what lies below, or the rest pose, does not show through."""
+    out = np.array([b.level(times) for b in blocks]).reshape(len(blocks), len(times))
+    fading = np.zeros(len(times), np.bool_)
+    for a, b in itertools.permutations(blocks, 2):
+        overlap = a.end - b.start
+        # both fades lie within the overlap, so that at its ends one block is at its full level: no jump there
+        if a.start < b.start and a.end < b.end and overlap > 0.0 and max(a.fade_out, b.fade_in) <= overlap + 1e-9:
+            fading |= (times >= b.start) & (times <= a.end)
+    total = out.sum(axis=0)
+    quiet = fading & (total < 1.0) & (total > 0.0)
+    out[:, quiet] /= total[quiet]
+    return out
 
 
 def _share(phase: F8, play: str) -> F8:

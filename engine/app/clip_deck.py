@@ -69,6 +69,11 @@ class ClipDeck:
             return self.sequence.duration
         return max((self.clips[i].duration for i in self.active), default=0.0)
 
+    @property
+    def playing(self) -> int:
+        """How many clips play; 1 where an animator or a timeline does."""
+        return 1 if self.animator is not None or self.sequence is not None else len(self.active)
+
     def find(self, clip: int | str) -> int:
         """The number of a clip given by number or name. Raises InputError with what was perhaps meant."""
         names = [c.name for c in self.clips]

@@ -32,7 +32,7 @@ def posed_positions(scene: Scene, residency: Residency, instance: int) -> NDArra
     world = skins.joint_world()[run]
     palette = world[:, :, :3] @ skins.inverse_bind[run]
     palette[:, :, 3] += world[:, :, 3]
-    if skins.dual[skin]:
+    if skins.blends_dual[skin]:
         whole = np.zeros((len(palette), 4, 4))
         whole[:, :3], whole[:, 3, 3] = palette, 1.0
         return transform_points(vertex_matrices_dual_quaternion(*influences(mesh.streams), whole), position)

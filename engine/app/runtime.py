@@ -117,10 +117,19 @@ class Runtime:
         self.deck = ClipDeck(self.scene.nodes, self.clips, self.players, self.scene.morphs, self.node_rows)
         if asset.animation:
             try:
-                self.animate(base / asset.animation)
+                self._animate(base / asset.animation, asset.drive)
             except InputError as error:
                 self.findings.error("animation.unreadable", str(error), hint="the clips are played without it")
         self.scene.update()
+
+    def _animate(self, path: Path, drive: str) -> None:
+        try:
+            self.animate(path, drive)
+        except InputError:
+            if not drive:
+                raise
+            self.animate(path)
+            self.findings.warn("animation.drive", f"{path.name} has no {drive}", "drive", f"posed by its {self.drive}")
 
     def _add_instances(self, asset: SceneAsset, base: Path) -> None:
         """One instance row per node x submesh, with materials by slot."""
@@ -329,7 +338,10 @@ class Runtime:
         return scene_box(self.scene, self.residency)
 
     def render(self, view: View, *, hdr: bool = False) -> Frame:
-        return self.renderer.render(self.scene, view, hdr=hdr)
+        """One picture; its counters also say how many animations the last update posed, and how many were asleep."""
+        frame = self.renderer.render(self.scene, view, hdr=hdr)
+        frame.stats.counters |= {"animations": self.deck.playing, "animations_asleep": self.deck.asleep}
+        return frame
 
     def pick(self, view: View, x: float, y: float) -> int:
         """The node row seen at pixel (x, y) from the top left, or -1."""

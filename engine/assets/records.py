@@ -136,7 +136,7 @@ def number(low: float = -math.inf, high: float = math.inf, *, above: bool = Fals
         except OverflowError:
             result = math.inf
         if not math.isfinite(result):
-            raise Bad("is not a finite number")
+            raise Bad("is not a finite number", hint="give a number in its place")
         if not low <= result <= high or (above and result == low):
             raise Bad(f"{result:g} is outside {'(' if above else '['}{low:g}, {high:g}]")
         return result

@@ -125,3 +125,5 @@ class SceneAsset:
     provenance: dict[str, str] = field(default_factory=dict)
     #: path of an animation file that poses it, relative to the scene file
     animation: str = ""
+    #: what of the animation poses it when it is opened: clips | timeline | states; "" = what the file has
+    drive: str = ""

@@ -13,6 +13,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import math
+import re
 from pathlib import Path
 from typing import Any
 
@@ -129,6 +130,7 @@ _SCENE = Record(
         "look": _LOOK.read,
         "active_camera": integer(-1),
         "animation": string,
+        "drive": choice("", "clips", "timeline", "states"),
         "provenance": string_map,
     },
     {"environment": _ENVIRONMENT, "look": _LOOK},
@@ -163,7 +165,7 @@ def parse_scene(raw: bytes | str, file: str, findings: Findings | None = None) -
         scene = _SCENE.read(data)
         check_scene(scene)
     except Bad as bad:
-        raise FormatError(bad.message, where=Place(file, path=bad.path), hint=bad.hint) from None
+        raise FormatError(_named(bad, data), where=Place(file, path=bad.path), hint=bad.hint) from None
     for index, node in enumerate(scene.nodes):
         _normalise(index, node, findings)
     return scene
@@ -214,11 +216,21 @@ def check_scene(scene: SceneAsset) -> None:
             if not 0 <= joint < count:
                 raise Bad(f"joint {joint} is outside the {count} nodes", f"nodes[{index}].joints")
         if not any(node.rotation):
-            raise Bad("the rotation has length zero", f"nodes[{index}].rotation")
+            raise Bad("the rotation has length zero", f"nodes[{index}].rotation", "set it to [0, 0, 0, 1], which is none")
     if scene.active_camera >= count:
         raise Bad(f"{scene.active_camera} is outside the {count} nodes", "active_camera")
     if scene.active_camera >= 0 and scene.nodes[scene.active_camera].camera is None:
         raise Bad(f"node {scene.active_camera} has no camera", "active_camera")
+
+
+def _named(bad: Bad, data: Any) -> str:
+    """The message with the name of the node it is about: people look for names, not for numbers."""
+    match = re.match(r"nodes\[(\d+)\]", bad.path)
+    try:
+        name = data["nodes"][int(match[1])]["name"] if match else None
+    except (LookupError, TypeError):
+        name = None
+    return f"node {name!r}: {bad.message}" if isinstance(name, str) else bad.message
 
 
 def _normalise(index: int, node: NodeAsset, findings: Findings | None) -> None:
@@ -228,7 +240,10 @@ def _normalise(index: int, node: NodeAsset, findings: Findings | None) -> None:
     x, y, z, w = (v / length for v in node.rotation)
     node.rotation = (x, y, z, w)
     if findings is not None:
-        findings.warn("scene.rotation", f"rotation of length {length:g} was normalised", f"nodes[{index}].rotation")
+        findings.warn(
+            "scene.rotation", f"node {node.name!r}: rotation of length {length:g} was normalised",
+            f"nodes[{index}].rotation", "nothing to do, or save the scene again",
+        )  # fmt: skip
 
 
 def _node(index: int, node: NodeAsset) -> dict[str, Any]:

@@ -16,7 +16,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-_LONGEST = 300
+#: characters of a place and of a message that are shown: both may hold names from a file
+_LONGEST, _LARGEST = 300, 2000
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,6 +48,8 @@ class LucarnaError(Exception):
     exit_code = 3
 
     def __init__(self, message: str, *, where: Place | str | Path | None = None, hint: str = "") -> None:
+        if len(message) > _LARGEST:
+            message = f"{message[: _LARGEST // 2]} … {message[-_LARGEST // 2 :]}"
         super().__init__(message)
         self.message = message
         self.where = where if isinstance(where, Place) else Place(str(where)) if where is not None else Place()

@@ -21,6 +21,11 @@ CHAINS = 32
 DEPTHS = (10, 30, 100, 300, 1000)
 #: metres from a joint to its parent, as in a rope or a tail
 LINK = 0.1
+#: a line of the diagram each: how, and in which numbers
+METHODS: dict[str, tuple[str, type[np.float32 | np.float64]]] = {
+    f"{by}, {kind.__name__[5:]} bits": (by, kind)
+    for by in ("matrices", "quaternions") for kind in (np.float32, np.float64)
+}  # fmt: skip
 
 
 def links(ctx: Context, depth: int) -> F8:
@@ -64,17 +69,17 @@ def truth_of(local: F8) -> Array:
 def run(ctx: Context, knobs: Knobs) -> Trial:
     depth = knobs["depth"]
     local = ctx.once(f"links {depth}", lambda: links(ctx, depth))
-    kind = np.float32 if knobs["digits"] == 32 else np.float64
+    by, kind = METHODS[knobs["method"]]
     given = local.astype(kind)
     # the truth is of the very numbers that the method is given: their own rounding is not its doing
-    truth = ctx.once(f"truth {depth} {knobs['digits']}", lambda: truth_of(given.astype(np.float64)))
-    if knobs["method"] == "matrices":
+    truth = ctx.once(f"truth {depth} {kind.__name__}", lambda: truth_of(given.astype(np.float64)))
+    if by == "matrices":
         work = lambda: by_matrices(given)  # noqa: E731  (a name for a choice of two)
     else:
         place = np.ascontiguousarray(given[..., :3, 3])
         turn = quat.from_matrix3(local[..., :3, :3]).astype(kind)
         truth = ctx.once(
-            f"truth q {depth} {knobs['digits']}",
+            f"truth q {depth} {kind.__name__}",
             lambda: by_quaternions(place.astype(np.longdouble), turn.astype(np.longdouble)),
         )
         work = lambda: by_quaternions(place, turn)  # noqa: E731  (as above)
@@ -99,8 +104,8 @@ EXPERIMENT = Experiment(
     truth="the same numbers multiplied in extended precision",
     metric="max_mm",
     unit="mm at the end of the chain",
-    knobs=grid(method=("matrices", "quaternions"), digits=(32, 64), depth=DEPTHS),
-    default={"method": "matrices", "digits": 64, "depth": 100},
+    knobs=grid(method=tuple(METHODS), depth=DEPTHS),
+    default={"method": "matrices, 64 bits", "depth": 100},
     curve="method",
     problem="depth",
     run=run,
@@ -110,7 +115,15 @@ EXPERIMENT = Experiment(
             "errors add up at random, on arms that grow with the depth",
             "depth",
             step=lambda k: float(k["depth"]),
-            curve="matrices",
+            curve="matrices, 64 bits",
+            tolerance=0.6,
+        ),
+        Order(
+            1.5,
+            "the same in float32, a billion times as much",
+            "depth",
+            step=lambda k: float(k["depth"]),
+            curve="matrices, 32 bits",
             tolerance=0.6,
         ),
     ],

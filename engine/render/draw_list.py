@@ -149,10 +149,10 @@ class DrawList:
 
     # --- structure ---
 
-    def build(self, scene: Scene) -> bool:
-        """Rebuild the templates if the structure changed; True if it did."""
+    def build(self, scene: Scene, *, everything: bool = False) -> bool:
+        """Rebuild the templates if the structure changed; True if it did. `everything`: morph what rests too."""
         turned = self._update_mirrored(scene)
-        key = (id(scene), scene.structure_rev, self._residency.structure_rev)
+        key = (id(scene), scene.structure_rev, self._residency.structure_rev, everything)
         if key == self._built_for and not turned:
             return False
         self._built_for = key
@@ -169,8 +169,8 @@ class DrawList:
         mirrored = self._mirrored[_placing_nodes(scene)]
         skin = scene.skins.of_nodes(table.node)
         row = scene.morphs.of_nodes(table.node)
-        bent = 2 * (skin >= 0) + 4 * ((row >= 0) & np.append(scene.morphs.active, False)[row])
-        bent += 8 * ((skin >= 0) & np.append(scene.skins.dual, False)[skin])
+        bent = 2 * (skin >= 0) + 4 * ((row >= 0) & (np.append(scene.morphs.active, False)[row] | everything))
+        bent += 8 * ((skin >= 0) & np.append(scene.skins.blends_dual, False)[skin])
         combos, inverse = np.unique(
             np.stack([table.mesh, table.submesh, table.material, mirrored + bent], axis=1),
             axis=0, return_inverse=True,

@@ -31,7 +31,7 @@ LATENCY = 3
 #: room of the light list at first, entries a tile
 FIRST_ROOM = 128
 #: where shaders that light find the lists and the tiles' bounds
-LIST_BINDING, TILE_BINDING = 5, 6
+LIST_BINDING, TILE_BINDING, BIN_MASK_BINDING, BIN_DEPTH_BINDING = 5, 6, 8, 9
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,7 +110,10 @@ class LightLists:
         self.bin_depth = self._fit(self.bin_depth, 16 * bins)
         self.bin_mask = self._fit(self.bin_mask, 4 * bins * self.words)
         self._fit_list(lights)
-        self.shading_storage = {LIST_BINDING: self.list, TILE_BINDING: self.tiles}
+        self.shading_storage = {
+            LIST_BINDING: self.list, TILE_BINDING: self.tiles, BIN_MASK_BINDING: self.bin_mask,
+            BIN_DEPTH_BINDING: self.bin_depth,
+        }  # fmt: skip
         slot = self._frame % LATENCY
         self._counters[slot].write(np.zeros(COUNTERS, np.uint32))
         self._pending[slot] = self.columns * self.rows

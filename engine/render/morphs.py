@@ -27,18 +27,19 @@ class MorphRows:
         self._meshes: dict[int, tuple[int, int]] = {}
         self._seen: tuple[object, ...] = ()
 
-    def update(self, scene: Scene) -> None:
-        """Bring both buffers up to date with the weights of now."""
+    def update(self, scene: Scene, *, everything: bool = False) -> None:
+        """Bring both buffers up to date with the weights of now. `everything`: of those that never had one too."""
         morphs = scene.morphs
-        if not morphs.active.any():
+        wanted = morphs.active | everything
+        if not wanted.any():
             return
-        seen = (id(scene), morphs.rev, scene.structure_rev)
+        seen = (id(scene), morphs.rev, scene.structure_rev, everything)
         if seen == self._seen:
             return
         self._seen = seen
         table = scene.instances
         row = morphs.of_nodes(table.node)
-        shown = np.flatnonzero(table.alive & (row >= 0) & np.append(morphs.active, False)[row])
+        shown = np.flatnonzero(table.alive & (row >= 0) & np.append(wanted, False)[row])
         grown = self._add_meshes({int(m) for m in table.mesh[shown]})
         start = len(self._offsets)
         data: list[U4] = [np.zeros(len(table), np.uint32)]

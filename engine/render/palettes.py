@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.core.findings import Findings
 from engine.gpu.types import Buffer, Device
+from engine.resources.residency import Residency
 from engine.scene.scene import Scene
 
 
@@ -31,3 +33,33 @@ class PaletteRows:
 
     def release(self) -> None:
         self.buffer.release()
+
+
+class SkinningCheck:
+    """Keeps skins linear whose effects have no feature `dual_quaternion`: they would take its palettes for matrices.
+
+    `findings`: which these are, of the scene last looked at."""
+
+    def __init__(self, residency: Residency) -> None:
+        self._residency = residency
+        self.findings = Findings()
+        self._seen: tuple[object, ...] = ()
+
+    def check(self, scene: Scene) -> None:
+        skins, table = scene.skins, scene.instances
+        seen = (id(scene), scene.structure_rev, self._residency.structure_rev)
+        if seen == self._seen:
+            return
+        dual = np.append(skins.dual, False)[skins.of_nodes(table.node)] & table.alive
+        effects = {m: self._residency.material(m).effect for m in np.unique(table.material[dual]).tolist()}
+        lacking = [m for m, e in effects.items() if "skinning" in e.features and "dual_quaternion" not in e.features]
+        short = dual & np.isin(table.material, lacking)
+        self.findings = Findings()
+        for node in np.unique(table.node[short]).tolist():
+            names = sorted({effects[m].name for m in table.material[short & (table.node == node)].tolist()})
+            self.findings.warn(
+                "skin.effect", f"{scene.nodes.name[node]!r} is skinned linearly: no dual_quaternion in effect "
+                f"{', '.join(names)}", f"nodes[{node}]", "add the feature to the effect, or set the skinning to linear",
+            )  # fmt: skip
+        skins.keep_linear(frozenset(np.unique(table.node[short]).tolist()))
+        self._seen = (id(scene), scene.structure_rev, self._residency.structure_rev)

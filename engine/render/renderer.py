@@ -30,7 +30,7 @@ from engine.render.light_tables import LightTables
 from engine.render.lighting import Choice, loop_steps
 from engine.render.morphs import MorphRows
 from engine.render.nonfinite import NumberCheck
-from engine.render.palettes import PaletteRows
+from engine.render.palettes import PaletteRows, SkinningCheck
 from engine.render.pass_timer import PassTimer
 from engine.render.paths.choice import PASSES, choose, lighting_of
 from engine.render.paths.cost import CostModel
@@ -76,6 +76,7 @@ class Renderer:
         self.light_lists = LightLists(device)
         self._layout: tuple[object, int] = ((), 0)
         self._gbuffer_bytes = 0
+        self._skinning = SkinningCheck(residency)
         self._palettes = PaletteRows(device)
         self._morphs = MorphRows(device, residency)
         self._view_buffer = device.buffer(VIEW_LAYOUT.size, label="view")
@@ -108,8 +109,9 @@ class Renderer:
             scene.update()
             origin = origin_near(view.camera.position, view.camera.znear)
             self._transforms.update(scene, origin, self._changed_rows(scene))
+            self._skinning.check(scene)
             self._palettes.update(scene, origin)
-            self._morphs.update(scene)
+            self._morphs.update(scene, everything=view.settings.force_all)
         with self._timer.stage("visibility"):
             self._visibility(scene, view)
         frame = self._frame(scene, view, origin, hdr)
@@ -156,6 +158,11 @@ class Renderer:
         """What was wrong with the IES profiles of the last frame's scene."""
         return self._light_tables.findings
 
+    @property
+    def skin_findings(self) -> Findings:
+        """Which skins of the last frame's scene are not blended as they should be."""
+        return self._skinning.findings
+
     def release(self) -> None:
         for graph in self.graphs.values():
             graph.release()
@@ -195,7 +202,7 @@ class Renderer:
         return changed
 
     def _visibility(self, scene: Scene, view: View) -> None:
-        rebuilt = self.draws.build(scene)
+        rebuilt = self.draws.build(scene, everything=view.settings.force_all)
         key = (id(scene), scene.transform_rev, scene.instances.drawn_rev, view.camera.key(), view.aspect)
         if not rebuilt and key == self._visibility_key:
             return

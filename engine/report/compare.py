@@ -14,7 +14,7 @@ TINY = 1e-12
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """`kind`: error | time | front | order. Values before and after; `worse` says which way."""
+    """`kind`: a metric, "ms", or what was true and is no more. Values before and after; `worse` says which way."""
 
     experiment: str
     point: str
@@ -22,11 +22,14 @@ class Change:
     before: float | None
     after: float | None
     worse: bool
+    numbers: bool = True
 
     def line(self) -> str:
         word = "worse" if self.worse else "better"
-        ratio = f" (×{self.after / self.before:.3g})" if self.before and self.after else ""
         place = f"{self.experiment} [{self.point}]" if self.point else self.experiment
+        if not self.numbers:
+            return f"{word}: {place}: {self.kind}"
+        ratio = f" (×{self.after / self.before:.3g})" if self.before and self.after else ""
         return f"{word}: {place}: {self.kind} {_text(self.before)} -> {_text(self.after)}{ratio}"
 
 
@@ -62,6 +65,9 @@ def compare(a: dict[str, Any], b: dict[str, Any]) -> Comparison:
     same_device = all(a.get(k) == b.get(k) for k in ("device", "driver", "machine"))
     if not same_device:
         result.notes.append("note: other device, driver or processor: times are not compared")
+    for key in ("quick", "seed"):
+        if a.get(key) != b.get(key):
+            result.notes.append(f"note: {key} was {a.get(key)} and is {b.get(key)}: not the same was measured")
     before = {e["name"]: e for e in a["experiments"]}
     after = {e["name"]: e for e in b["experiments"]}
     for name in before.keys() - after.keys():
@@ -75,7 +81,11 @@ def compare(a: dict[str, Any], b: dict[str, Any]) -> Comparison:
 
 def _experiment(result: Comparison, name: str, a: dict[str, Any], b: dict[str, Any], *, times: bool) -> None:
     if a.get("default_on_front") is True and b.get("default_on_front") is False:
-        result.changes.append(Change(name, "", "default left its front", None, None, True))
+        result.changes.append(Change(name, "", "default left its front", None, None, True, numbers=False))
+    if a.get("default") != b.get("default"):
+        result.notes.append(f"note: {name}: the default was {a.get('default')} and is {b.get('default')}")
+    _orders(result, name, a, b)
+    _extremes(result, name, a, b)
     points = {_key(p): p for p in a["points"]}
     for point in b["points"]:
         key = _key(point)
@@ -88,6 +98,28 @@ def _experiment(result: Comparison, name: str, a: dict[str, Any], b: dict[str, A
         if times:
             _time(result, name, key, old.get("ms"), point.get("ms"))
     result.notes += [f"note: {name} [{key}] is gone" for key in points]
+
+
+def _orders(result: Comparison, name: str, a: dict[str, Any], b: dict[str, Any]) -> None:
+    """Orders of convergence that were as expected and are no more, or the reverse."""
+    before = {(o["curve"], o["over"]): o for o in a.get("orders") or ()}
+    for order in b.get("orders") or ():
+        old = before.get((order["curve"], order["over"]))
+        if old is not None and old["met"] != order["met"]:
+            kind = f"order over {order['over']} (expected {order['expected']:g})"
+            change = Change(name, order["curve"], kind, old["observed"], order["observed"], not order["met"])
+            result.changes.append(change)
+
+
+def _extremes(result: Comparison, name: str, a: dict[str, Any], b: dict[str, Any]) -> None:
+    """Extreme cases that were held and fail now, or the reverse."""
+    before = {e["what"]: e for e in a.get("extremes") or ()}
+    for extreme in b.get("extremes") or ():
+        old = before.get(extreme["what"])
+        if old is not None and old["ok"] != extreme["ok"]:
+            kind = f"extreme case {'holds' if extreme['ok'] else 'fails'} ({extreme['found']})"
+            change = Change(name, extreme["what"], kind, None, None, not extreme["ok"], numbers=False)
+            result.changes.append(change)
 
 
 def _error(result: Comparison, name: str, key: str, metric: str, old: float | None, now: float | None) -> None:

@@ -10,6 +10,7 @@ from engine.core.atomic import write_text
 from engine.core.errors import FormatError, InputError
 from engine.report.page.html import page
 from engine.report.records import Report
+from engine.report.twin_form import check_twin
 
 #: a twin is text about a few hundred points; anything larger is none
 MAX_BYTES = 64 << 20
@@ -35,13 +36,6 @@ def load_twin(path: Path) -> dict[str, Any]:
         raise InputError(f"cannot read: {error.strerror or error}", where=path) from error
     except (ValueError, RecursionError) as error:
         raise FormatError(f"no JSON: {error}", where=path, hint="give a report.json of `lucarna report`") from error
-    if not isinstance(data, dict) or not isinstance(data.get("experiments"), list):
-        raise FormatError("no report: it has no list of experiments", where=path, hint="give a report.json")
-    for i, experiment in enumerate(data["experiments"]):
-        if (
-            not isinstance(experiment, dict)
-            or not isinstance(experiment.get("points"), list)
-            or "name" not in experiment
-        ):
-            raise FormatError("an experiment without name or points", where=f"{path}: experiments[{i}]")
+    check_twin(data, path)
+    assert isinstance(data, dict)
     return data

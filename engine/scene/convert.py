@@ -70,6 +70,11 @@ def scene_asset(scene: Scene, base: SceneAsset | None) -> SceneAsset:
     before = {int(row): index for index, row in enumerate(scene.row_of_node.tolist()) if row >= 0}
     joint_of = {old: index_of[row] for row, old in before.items() if row in index_of}
     nodes = [_node_asset(scene, row, index_of, joint_of) for row in order]
+    skins = scene.skins
+    for node, skin in zip(nodes, skins.of_nodes(np.array(order, np.int64)).tolist(), strict=True):
+        if skin >= 0:  # a copy hangs on other joints than its source
+            joints = skins.joint[skins.first[skin] : skins.first[skin] + skins.count[skin]]
+            node.joints = [index_of.get(int(j), -1) for j in joints]
     for rows, table in ((scene.lights.alive_rows(), scene.lights), (scene.cameras.alive_rows(), scene.cameras)):
         for row in rows.tolist():
             node = nodes[index_of[int(table.node[row])]]
@@ -85,6 +90,7 @@ def scene_asset(scene: Scene, base: SceneAsset | None) -> SceneAsset:
         look=copy.copy(scene.look),
         active_camera=index_of.get(scene.active_camera, -1),
         animation=base.animation if base else "",
+        drive=base.drive if base else "",
         provenance=dict(base.provenance) if base else {},
     )
 

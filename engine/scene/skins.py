@@ -61,6 +61,7 @@ class SkinTable:
         self.follow: F8 = np.zeros((0, 4, 4))
         #: bool[skins]: whether rotations are blended as dual quaternions (see `set_method`)
         self.dual: NDArray[np.bool_] = np.zeros(0, np.bool_)
+        self._linear_nodes: frozenset[int] = frozenset()
         self._spheres: F8 = np.zeros((0, 4))
         self._seen: tuple[int, int, int] = (-1, -1, -1)
 
@@ -143,6 +144,17 @@ class SkinTable:
             self.dual[skin] = dual
             self.structure_rev += 1
 
+    @property
+    def blends_dual(self) -> NDArray[np.bool_]:
+        """bool[skins]: which are blended as dual quaternions: those that are `dual`, where their shaders can."""
+        return self.dual & ~np.isin(self.node, list(self._linear_nodes)) if self._linear_nodes else self.dual
+
+    def keep_linear(self, nodes: frozenset[int]) -> None:
+        """Blend the skins of these nodes linearly whatever their method: a shader there knows nothing else."""
+        if nodes != self._linear_nodes:
+            self._linear_nodes = nodes
+            self.structure_rev += 1
+
     def method(self, skin: int) -> str:
         return METHODS[int(self.dual[skin])]
 
@@ -154,8 +166,9 @@ class SkinTable:
         with np.errstate(over="ignore", invalid="ignore"):  # a joint beyond float32 takes only its own vertices along
             out = world[:, :, :3] @ self.inverse_bind
             out[:, :, 3] += world[:, :, 3] - origin
-            if self.dual.any():
-                rows = np.flatnonzero(np.repeat(self.dual, self.count))
+            dual = self.blends_dual
+            if dual.any():
+                rows = np.flatnonzero(np.repeat(dual, self.count))
                 out[rows] = dual_rows(out[rows])
             return out.astype(np.float32)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -9,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from engine.assets.scene import SceneAsset
 from engine.core.errors import InputError
 from engine.core.findings import Findings
-from importers.registry import find_importer, source_extensions
+from importers.registry import IMAGES, find_importer, source_extensions
 from importers.settings import ImportSettings
 
 if TYPE_CHECKING:
@@ -35,14 +36,18 @@ def engine_kind(path: Path) -> str:
 
 
 def checkable_files(path: Path) -> list[Path]:
-    """`path` itself, or all sources and engine files below it, sorted. Raises InputError where there are none."""
-    if not path.is_dir():
+    """`path` itself, or all sources and engine files below it, sorted; images where it has nothing else. Raises
+    InputError where there are none."""
+    if not os.path.isdir(path):  # noqa: PTH112  (false for names that no file can have, too)
+        if not os.path.exists(path):  # noqa: PTH110  (as above)
+            from importers.gltf.uris import similar_name_hint
+
+            raise InputError("there is no such file or folder", where=path, hint=similar_name_hint(path))
         return [path]
+    files = sorted(p for p in path.rglob("*") if not p.name.startswith(".") and p.is_file())
     known = source_extensions(in_folders=True)
-    found = sorted(
-        p for p in path.rglob("*")
-        if (p.name.lower().endswith(known) or engine_kind(p)) and not p.name.startswith(".") and p.is_file()
-    )  # fmt: skip
+    found = [p for p in files if p.name.lower().endswith(known) or engine_kind(p)]
+    found = found or [p for p in files if p.name.lower().endswith(IMAGES)]
     if not found:
         raise InputError("the folder holds nothing that can be checked", where=path)
     return found
@@ -74,12 +79,15 @@ def check_file(path: Path, settings: ImportSettings, budgets: Mapping[str, float
     elif not kind:
         findings, contents = _check_source(path, settings)
     from importers.checks.budgets import check_budgets
+    from importers.checks.mesh import check_mesh_numbers
     from importers.checks.topology import check_topology
     from importers.contents import load_contents
 
     if contents is None:  # reading checks meshes, clips and textures; for the others its findings are said above
         contents = load_contents(path, settings)
     for number, mesh in enumerate(contents.meshes):
+        if kind == "mesh":  # those of scenes and sources are checked with the scene
+            check_mesh_numbers(mesh, f"meshes[{number}]", findings)
         check_topology(mesh, f"meshes[{number}]", findings)
     if budgets:
         check_budgets(contents, path, budgets, settings, findings)
@@ -151,7 +159,7 @@ def _check_numbers(folder: Path, scene: SceneAsset, findings: Findings) -> None:
     def read_all(names: list[str], reader: Callable[[Path], T]) -> dict[str, T]:
         found: dict[str, T] = {}
         for name in dict.fromkeys(names):
-            if name and (folder / name).is_file():
+            if name and _is_file(folder / name):
                 try:
                     found[name] = reader(folder / name)
                 except InputError as error:
@@ -183,7 +191,15 @@ def _check_material(path: Path, findings: Findings) -> None:
     _report_missing(path.parent, wanted, findings)
 
 
+def _is_file(path: Path) -> bool:
+    """Also of names that no file can have."""
+    try:
+        return path.is_file()
+    except (OSError, ValueError):
+        return False
+
+
 def _report_missing(folder: Path, wanted: dict[str, str], findings: Findings) -> None:
     for name, where in wanted.items():
-        if name and not (folder / name).is_file():
+        if name and not _is_file(folder / name):
             findings.error("reference.missing", f"the file {name!r} is not there", where, "convert the source again")

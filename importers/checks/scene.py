@@ -87,6 +87,7 @@ def check_material_numbers(material: MaterialAsset, path: str, findings: Finding
     if material.effect not in library.names():
         return
     effect = library.get(material.effect)
+    params = f"{path}.params" if path else "params"
     for name, value in material.params.items():
         param = effect.param_by_name.get(name)
         if param is None:
@@ -95,14 +96,14 @@ def check_material_numbers(material: MaterialAsset, path: str, findings: Finding
             param.check(value)
         except UsageError as error:
             findings.error(
-                "number.material", f"material {material.name!r}: {error.message}", f"{path}.params.{name}",
+                "number.material", f"material {material.name!r}: {error.message}", f"{params}.{name}",
                 "give a value in that range; until then the material is drawn in magenta",
             )  # fmt: skip
     roughness = material.params.get("roughness", 1.0)
     if isinstance(roughness, (int, float)) and 0.0 <= roughness < MIN_ROUGHNESS and "unlit" not in material.features:
         findings.info(
             "number.roughness", f"material {material.name!r}: roughness {roughness:g} is drawn as {MIN_ROUGHNESS:g}",
-            f"{path}.params.roughness", f"nothing to do, or set {MIN_ROUGHNESS:g}; below that highlights would flicker",
+            f"{params}.roughness", f"nothing to do, or set {MIN_ROUGHNESS:g}; below that highlights would flicker",
         )  # fmt: skip
 
 

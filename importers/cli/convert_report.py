@@ -106,7 +106,7 @@ class Report:
         for outcome in outcomes:
             if outcome.state == "would convert":
                 print(f"would convert  {outcome.job.source}: {'; '.join(outcome.reasons)}")
-            elif outcome.state == "failed" and outcome.job.name:
+            elif outcome.state == "failed" and outcome.job.name and not outcome.reasons:
                 print(f"failed before  {outcome.job.source}")
         counts = Counter(outcome.state for outcome in outcomes)
         print(f"{counts['would convert']} to convert, {counts['up to date']} up to date, {counts['failed']} failed; "

@@ -7,6 +7,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -46,8 +47,10 @@ def run(args: argparse.Namespace) -> int:
     kind = out.suffix.lower()
     if kind not in (".obj", ".glb"):
         raise UsageError(f"--out {args.out!r}: only .glb and .obj can be written", hint="give a name that ends so")
-    if not source.exists():
-        raise InputError("there is no such file", where=source)
+    if not os.path.exists(source):  # noqa: PTH110  (false for names that no file can have, too)
+        from importers.gltf.uris import similar_name_hint
+
+        raise InputError("there is no such file", where=source, hint=similar_name_hint(source))
     settings = resolve(source, ImportSettings(allow_outside=args.allow_outside)).settings
     moment = args.time is not None or args.frame is not None
 

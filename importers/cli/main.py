@@ -20,7 +20,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "inspect": ("importers.cli.inspect", "describe a source or engine file"),
     "check": ("importers.cli.check", "report what is wrong with sources, write nothing"),
     "cache": ("importers.cli.cache", "show or prune the cache of converted sources"),
-    "export": ("importers.cli.export", "write posed geometry as OBJ"),
+    "export": ("importers.cli.export", "write scenes as GLB, or posed geometry as OBJ"),
     "lights": ("importers.cli.lights", "scatter many lights over a scene"),
     "render": ("importers.cli.render", "render a scene or source file to a picture, without a window"),
     "play": ("importers.cli.play", "show a scene in a plain window with a free camera"),
@@ -53,7 +53,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
     try:
-        return _run(words)
+        code = _run(words)
+        print(end="", flush=True)  # what cannot be written must be said here, not at the interpreter's end
+        return code
     except LucarnaError as error:
         print(f"lucarna: error: {error}", file=sys.stderr)
         return error.exit_code
@@ -61,6 +63,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         # The reader of our output is gone (`lucarna … | head`): nothing more to say, and nobody to say it to
         sys.stderr.close()
         return 0
+    except OSError as error:
+        # a name that no file can have, a folder that may not be searched, a full disk behind our output
+        where = f"{error.filename}: " if error.filename is not None else ""
+        print(f"lucarna: error: {where}{error.strerror or error}", file=sys.stderr)
+        return 3
     except KeyboardInterrupt:
         print("lucarna: interrupted", file=sys.stderr)
         return 130

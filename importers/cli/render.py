@@ -94,7 +94,8 @@ def run(args: argparse.Namespace) -> int:
             frame = write_sequence(
                 runtime, args, plan, settings, (width, height), partial(_camera, runtime, args), _write
             )
-        for finding in (*findings, *runtime.renderer.environments.findings):
+        renderer = runtime.renderer
+        for finding in (*findings, *renderer.environments.findings, *renderer.skin_findings):
             print(finding, file=sys.stderr)
         for variant, error in runtime.renderer.programs.errors.items():
             print(f"error: {variant}: {error} (drawn in magenta)", file=sys.stderr)
@@ -206,6 +207,16 @@ def _explain(runtime: Runtime, frame: Frame) -> None:
     for macro, value in frame.facts.variant_defines().items():
         if not value and macro != "DEBUG_VIEW":
             print(f"branch {macro}: left out of every surface shader, the scene has none of it")
+    if runtime.deck.playing:
+        print(f"animations: {_asleep(runtime)}")
+
+
+def _asleep(runtime: Runtime) -> str:
+    """How many animations were not sampled, and why, or why none."""
+    playing, asleep = runtime.deck.playing, runtime.deck.asleep
+    if not runtime.sleepy:
+        return f"all {playing} sampled, seen or not: only windows leave out what nobody sees"
+    return f"{asleep} of {playing} asleep: nothing that they move was in the last picture"
 
 
 def _write_stats(args: argparse.Namespace, frame: Frame, open_s: float, total_s: float, reason: str) -> None:

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from engine.core.errors import DeviceError, UsageError
+from engine.core.errors import DeviceError, OutputError, UsageError
 
 if TYPE_CHECKING:
     from engine.experiments.harness.experiment import Experiment
@@ -50,9 +50,18 @@ def run(args: argparse.Namespace) -> int:
     chosen = registry.select(args.names)
     if args.out is None:
         return _list(chosen, as_json=args.json)
+    _make_folder(args.out)
     if args.scene and not args.names:  # the others have inputs of their own: a scene changes nothing there
         chosen = {name: experiment for name, experiment in chosen.items() if experiment.own_scene}
     return _measure(chosen, args)
+
+
+def _make_folder(out: Path) -> None:
+    """Now, as a folder that cannot be written to is better known before minutes of measuring than after."""
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(f"cannot make the folder: {error.strerror or error}", where=out) from error
 
 
 def _list(chosen: dict[str, Experiment], *, as_json: bool) -> int:
@@ -121,6 +130,7 @@ def _run_one(name: str, experiment: Experiment, device: Device | None, args: arg
     scenes = tuple(args.scene) if experiment.own_scene else ()
     context = Context(device=device, quick=args.quick, seed=args.seed, tools=ImporterTools(), scenes=scenes)
     if args.scene and not experiment.own_scene:
+        print(f"warning: {name} has inputs of its own: --scene changes nothing there", file=sys.stderr)
         context.notes.append("Its inputs are its own: --scene changes nothing here.")
     say = None if progress is None else lambda text: progress(f"{where} {name}: {text}", 0.5)
     try:

@@ -13,7 +13,8 @@ from engine.core.errors import InputError, LucarnaError
 from importers.farm.job import Job, Outcome
 from importers.naming import safe_name
 from importers.presets import SettingsResolver
-from importers.registry import source_extensions
+from importers.registry import IMAGES, source_extensions
+from importers.settings import ImportSettings
 
 #: folders that hold no sources
 SKIPPED = {"__pycache__", "node_modules"}
@@ -31,7 +32,9 @@ class Plan:
 
 def make_plan(words: Sequence[str], out: Path, resolver: SettingsResolver) -> Plan:
     """Jobs for all sources that `words` name. A folder is searched (not into links to folders, hidden folders or
-    `out`), and its inner structure kept; so is what a glob matches below its fixed part.
+    `out`), and its inner structure kept; so is what a glob matches below its fixed part. Images of a folder are taken
+    for parts of its models, and are sources of their own where it has none. Images that make one texture (the faces of
+    a cube, the layers of an array) are one job.
 
     A word that names nothing, and a source whose sidecar is wrong, are in `refused`. Raises UsageError for an unknown
     preset."""
@@ -48,24 +51,38 @@ def make_plan(words: Sequence[str], out: Path, resolver: SettingsResolver) -> Pl
             identity = os.path.abspath(source)  # noqa: PTH100  (links stay what they are)
             if identity in seen:
                 continue
+            seen.update(os.path.abspath(part) for part in _parts(source, resolver))  # noqa: PTH100  (as above)
             seen.add(identity)
             folder = out / source.parent.relative_to(root) if root is not None else out
             name = _free_name(source, folder, taken)
             try:
                 resolved = resolver.resolve(source)
             except InputError as error:
-                plan.refused.append(refusal(Job(source, folder, name), error))
+                plan.refused.append(refusal(Job(source, folder, name), error, "its settings cannot be read"))
                 continue
             plan.jobs.append(Job(source, folder, name, resolved.settings, resolved.origins))
     return plan
 
 
-def refusal(job: Job, error: LucarnaError) -> Outcome:
-    """The outcome of a job that ended with `error`."""
+def refusal(job: Job, error: LucarnaError, reason: str = "") -> Outcome:
+    """The outcome of a job that ended with `error`; without a reason, one that nothing can be said to have changed."""
     text = str(error)
     if str(job.source) not in text:
         text = f"{job.source}: {text}"
-    return Outcome(job, "failed", error=text, exit_code=error.exit_code)
+    return Outcome(job, "failed", [reason] if reason else [], error=text, exit_code=error.exit_code)
+
+
+def _parts(source: Path, resolver: SettingsResolver) -> tuple[Path, ...]:
+    """The images that become one texture with `source`, itself among them; none for other sources."""
+    if not source.name.lower().endswith(IMAGES):
+        return ()
+    from importers.images.grouping import siblings_of
+
+    try:
+        settings = resolver.resolve(source).settings
+    except InputError:  # said where the job is made
+        settings = ImportSettings()
+    return siblings_of(source, settings)
 
 
 def _sources(word: str, out: Path, folders: list[Path]) -> list[tuple[Path | None, Path]]:
@@ -81,18 +98,23 @@ def _sources(word: str, out: Path, folders: list[Path]) -> list[tuple[Path | Non
         if not found:
             raise InputError("no file matches this pattern", where=word, hint="** stands for any number of folders")
         return [(root, p) for p in found if not _below(p, out)]
-    if path.is_file():
+    # os.path: a name that no file can have, or that may not be looked at, is no file
+    if os.path.isfile(path):  # noqa: PTH113
         return [(None, path)]
-    if not path.is_dir():
-        if path.exists():
+    if not os.path.isdir(path):  # noqa: PTH112
+        if os.path.exists(path):  # noqa: PTH110
             raise InputError("is not a regular file", where=path, hint="pipes and devices are not read")
         from importers.gltf.uris import similar_name_hint
 
         raise InputError("there is no such file or folder", where=path, hint=similar_name_hint(path))
-    known = source_extensions(in_folders=True)
-    found = sorted(_walk(path, out, known, folders))
-    if not found:
-        raise InputError("the folder holds no file that can be imported", where=path, hint=f"known: {', '.join(known)}")
+    # images of a folder are parts of its models; where there is none, they are what it holds
+    for known in (source_extensions(in_folders=True), IMAGES):
+        found = sorted(_walk(path, out, known, folders))
+        if found:
+            break
+    else:
+        hint = f"known: {', '.join(source_extensions())}"
+        raise InputError("the folder holds no file that can be imported", where=path, hint=hint)
     return [(path, p) for p in found]
 
 

@@ -51,6 +51,16 @@ def group_of(path: Path, size: tuple[int, int], floats: bool, settings: ImportSe
     return Group("2d", (path,))
 
 
+def siblings_of(path: Path, settings: ImportSettings) -> tuple[Path, ...]:
+    """The files that become one texture with `path`, by their names alone; none where it stands alone."""
+    try:
+        if settings.image_as in ("auto", "cube"):
+            return _faces(path) or ()
+        return _layers(path) if settings.image_as == "array" else ()
+    except (InputError, OSError):
+        return ()
+
+
 def role_of(path: Path, settings: ImportSettings) -> tuple[str, bool, str]:
     """(role, whether its green points down, why) of a picture."""
     if settings.role != "auto":

@@ -28,7 +28,7 @@ def build(group: Group, role: str, flip: bool, settings: ImportSettings) -> Text
     own = settings.replace(flip_green=flip)
     if len(group.files) == 1 and group.kind == "2d":
         data = read_regular_file(group.files[0], own.max_file_bytes)
-        texture = stored_texture(data, group.files[0].name, own)
+        texture = stored_texture(data, str(group.files[0]), own)
         if texture is not None:
             return _stored(texture, role, own)
     images = [read_pixels(file, own) for file in group.files]
@@ -39,7 +39,7 @@ def build(group: Group, role: str, flip: bool, settings: ImportSettings) -> Text
 
 def read_pixels(file: Path, settings: ImportSettings) -> Pixels:
     """The image's pixels, upright. Raises InputError."""
-    return decode(read_regular_file(file, settings.max_file_bytes), file.name, settings, upright=True)
+    return decode(read_regular_file(file, settings.max_file_bytes), str(file), settings, upright=True)
 
 
 def layered(parts: Sequence[TextureAsset], group: Group) -> TextureAsset:

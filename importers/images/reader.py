@@ -26,7 +26,7 @@ def load(path: Path, settings: ImportSettings) -> ImportedModel:
 
     findings = Findings(str(path))
     data = read_regular_file(path, settings.max_file_bytes)
-    info = probe(data, path.name)
+    info = probe(data, str(path))
     floats = info.mode == "float" or info.mode.startswith("float")
     group = group_of(path, (info.width, info.height), floats, settings)
     if group.why:
@@ -51,7 +51,7 @@ def dependencies(path: Path, settings: ImportSettings) -> list[tuple[str, Path]]
     """The other files of a cube or an array."""
     from importers.textures.image import probe
 
-    info = probe(read_regular_file(path, settings.max_file_bytes), path.name)
+    info = probe(read_regular_file(path, settings.max_file_bytes), str(path))
     group = group_of(path, (info.width, info.height), info.mode.startswith("float"), settings)
     return [(file.name, file) for file in group.files if file != path]
 

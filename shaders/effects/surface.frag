@@ -165,10 +165,10 @@ vec3 shade(MaterialParams m, Surface s, vec3 v)
 #if LOCAL_LIGHTS || GBUFFER || GBUFFER_VIEW
 SurfaceTexels texels_of(MaterialParams m, Surface s)
 {
-#if UNLIT
-    return pack_nothing();
-#else
+#if !UNLIT
     return pack_surface(s.normal, s.base_color.rgb, s.metallic, s.roughness, dielectric_f0(m), m.specular);
+#else
+    return pack_nothing();
 #endif
 }
 #endif

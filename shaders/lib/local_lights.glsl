@@ -41,20 +41,75 @@ int cluster_slice(float depth)
     return int(clamp(floor(log2(max(depth, 1e-30)) * view.clusters.x + view.clusters.y), 0.0, view.clusters.z - 1.0));
 }
 
+#if MULTISAMPLED
+layout(std430, binding = 8) readonly buffer BinMaskBlock { uint bin_mask[]; };
+layout(std430, binding = 9) readonly buffer BinBlock { uvec4 bin_depth[]; };  // nearest, farthest, flags
+
+// Which lights come next: `count` of a list or of all, or, where `words` is not 0, the bits that are set in a bin's mask.
+struct Walk {
+    uint at;
+    uint count;
+    uint first;
+    bool all_lights;
+    uint words;
+    uint mask;
+    uint left;
+};
+
+bool next_light(inout Walk w, out uint i)
+{
+    i = 0u;
+    if (w.words == 0u) {
+        if (w.at >= w.count) return false;
+        i = w.all_lights ? w.at : light_list[w.first + w.at];
+        ++w.at;
+        return true;
+    }
+    while (w.left == 0u && w.at < w.words) w.left = bin_mask[w.mask + w.at++];
+    if (w.left == 0u) return false;
+    i = (w.at - 1u) * 32u + uint(findLSB(w.left));
+    w.left &= w.left - 1u;
+    return true;
+}
+
+// A point beside its tile's boxes: what its bin (4 x 4 tiles) kept by depth alone holds for it; beyond that, all lights.
+void widen(inout Walk w, uvec2 tile, vec3 p)
+{
+    uvec2 bin = tile / 4u;
+    uint index = bin.y * ((view.tiles.z + 3u) / 4u) + bin.x;
+    float depth = view_depth(p);
+    w.all_lights = true;
+    w.count = view.counts.x;
+    if (depth >= uintBitsToFloat(bin_depth[index].x) && depth <= uintBitsToFloat(bin_depth[index].y)) {
+        w.words = (view.counts.x + 31u) / 32u;
+        w.mask = index * w.words;
+    }
+}
+#endif
+
 // `list`: 0 for what is opaque, 1 for what is blended.
 vec3 add_local_lights(vec3 color, uvec2 pixel, vec3 p, Reflector r, int list)
 {
     int layer = view.clusters.z > 0.5 ? cluster_slice(view_depth(p)) : list;
-    uvec2 header = texelFetch(t_light_tiles, ivec3(pixel >> view.tiles.x, layer), 0).xy;
+    uvec2 tile = pixel >> view.tiles.x;
+    uvec2 header = texelFetch(t_light_tiles, ivec3(tile, layer), 0).xy;
     // what cannot be a header of this frame means every light: slow, but right
     bool all_lights = header.y > view.counts.x || header.x > view.tiles.y || header.x + header.y > view.tiles.y;
-#if MULTISAMPLED
-    all_lights = all_lights || !in_tile(pixel >> view.tiles.x, p, list);
-#endif
     uint count = all_lights ? view.counts.x : header.y;
+#if MULTISAMPLED
+    // helpers, the part of a 2x2 quad outside of the triangle, need not see what a buffer holds; they would take all lights
+    if (gl_HelperInvocation) return color;
+    Walk walk = Walk(0u, count, header.x, all_lights, 0u, 0u, 0u);
+    if (!all_lights && !in_tile(tile, p, list)) widen(walk, tile, p);
+    bool more = true;
+    uint i;
+#define ADD_LIGHT(j) if (next_light(walk, i)) color += light_share(i, p, r); else more = false;
+    while (more) { REPEAT(ADD_LIGHT) }
+#else
 #define ADD_LIGHT(j) if (k + j < count) \
         color += light_share(all_lights ? k + j : light_list[header.x + k + j], p, r);
     for (uint k = 0u; k < count; k += STEPS) { REPEAT(ADD_LIGHT) }
+#endif
     return color;
 }
 #else

@@ -31,5 +31,5 @@ void morph(uint object, inout vec3 position, inout vec3 normal, inout vec3 tange
         if ((kinds & 2u) != 0u) tangent += weight * morph_offset(at + stream * (1u + (kinds & 1u)));
     }
     // unit again: between vertices normals are mixed as they are
-    if ((kinds & 1u) != 0u) normal *= inversesqrt(max(dot(normal, normal), 1e-20));
+    if (count != 0u && (kinds & 1u) != 0u) normal *= inversesqrt(max(dot(normal, normal), 1e-20));
 }

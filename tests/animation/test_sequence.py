@@ -48,6 +48,25 @@ def test_a_cross_fade_goes_from_one_block_to_the_other(curve: str) -> None:
     assert _x(sequence, [0.5, 1.3, 2.5]) == pytest.approx([0.0, float(fade(0.3, curve)), 1.0])
 
 
+def test_a_cross_fade_by_two_curves_does_not_dip_to_rest() -> None:
+    """Out by ease_in's complement, in by ease_in and by ease_out: their levels do not sum to 1 by themselves."""
+    for out, into in (("ease_out", "ease_in"), ("linear", "smoother"), ("ease_in", "ease_out")):
+        sequence = _one(
+            Block(0, 0.0, 2.0, fade_out=1.0, curve=out), Block(1, 1.0, 2.0, fade_in=1.0, curve=into),
+            clips=[still(1.0), still(1.0)],
+        )  # fmt: skip
+        times = np.linspace(0.0, 3.0, 61)
+        np.testing.assert_allclose(_x(sequence, list(times)), 1.0, atol=1e-12)
+        heard = sequence.audible([1.4])
+        assert sum(level for *_, level, _ in heard) >= 1.0 - 1e-12
+    # a fade out that began before the other block: what lies below shows, without a jump
+    partly = _one(
+        Block(0, 0.0, 2.0, fade_out=1.0, curve="linear"), Block(1, 1.5, 2.0, fade_in=0.5, curve="linear"),
+        clips=[still(1.0), still(1.0)],
+    )  # fmt: skip
+    assert _x(partly, [1.25, 1.5 - 1e-9, 1.5]) == pytest.approx([0.75, 0.5, 0.5])
+
+
 def test_a_fade_with_nothing_below_goes_to_rest() -> None:
     sequence = _one(Block(0, 0.0, 2.0, fade_out=1.0, curve="linear"), clips=[still(1.0)])
     assert _x(sequence, [0.5, 1.25, 2.0]) == pytest.approx([1.0, 0.75, 0.0])

@@ -68,7 +68,9 @@ def test_a_picture_without_the_character_leaves_it_asleep_until_it_is_looked_at(
     runtime.render(away)
     runtime.update(0.5)
     assert runtime.scene.nodes.translation[node, 0] == 0.0
-    runtime.render(here)
+    counters = runtime.render(here).stats.counters
+    assert (counters["animations"], counters["animations_asleep"]) == (1, 1)
     runtime.update(0.6)
     assert runtime.scene.nodes.translation[node, 0] == pytest.approx(0.6)
+    assert runtime.render(here).stats.counters["animations_asleep"] == 0
     null_stage.close()

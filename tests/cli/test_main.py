@@ -140,3 +140,17 @@ def test_inspect_of_nothing(tmp_path: Path, capsys: Capture) -> None:
     (tmp_path / "model.glb").write_bytes(b"x")
     assert main(["inspect", str(tmp_path / "modle.glb")]) == 1
     assert "did you mean 'model.glb'?" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("words", [["convert", "--out", "out"], ["check"], ["inspect"], ["export", "--out", "a.obj"]])
+def test_a_name_that_no_file_can_have_is_a_missing_file(
+    words: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main([*words, "n" * 300 + ".glb"]) == 1
+    assert "there is no such file" in capsys.readouterr().err
+
+
+def test_what_the_system_refuses_is_no_traceback(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["new", str(tmp_path / ("n" * 300))]) == 3
+    assert capsys.readouterr().err.startswith("lucarna: error: ")

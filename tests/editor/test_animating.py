@@ -240,8 +240,20 @@ def test_it_is_saved_beside_the_scene_and_opened_again(editor: AnimationEditor, 
     runtime = Runtime(null_device)
     runtime.open(tmp_path / "saved" / "x.scene.json")
     assert (runtime.drive, not list(runtime.findings)) == ("timeline", True)
+    assert runtime.asset.drive == "timeline"
     runtime.update(0.9)
     np.testing.assert_allclose(runtime.scene.nodes.rotation, pose, atol=1e-12)
+    # with states in the file too, what was chosen last is what plays, not what the file would play by itself
+    before = editor.text
+    editor.add_state("walk", clip="walk")
+    for drive in ("clips", "timeline", "states"):
+        editor.drive(drive)
+        save_document(editor.session.document, tmp_path / "saved" / "x.scene.json")
+        runtime.open(tmp_path / "saved" / "x.scene.json")
+        assert (runtime.drive, runtime.animation is not None) == (drive, True)
+    (tmp_path / "saved" / "x.animation.toml").write_text(before)
+    runtime.open(tmp_path / "saved" / "x.scene.json")
+    assert (runtime.drive, [f.code for f in runtime.findings]) == ("timeline", ["animation.drive"])
     runtime.close()
 
 

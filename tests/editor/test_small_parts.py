@@ -162,12 +162,13 @@ def test_listings_are_sorted_and_read_again(tmp_path: Path) -> None:
 
 
 def test_the_remainder_is_shown_and_shares_add_up() -> None:
-    from editor.panels.timings import time_rows
+    from editor.panels.timings import asleep_line, time_rows
     from engine.report.stats import FrameStats, PassStat
 
     rows = time_rows(FrameStats([PassStat("a", 2.0), PassStat("b", 1.0)], 4.0))
     assert [(r.name, r.ms) for r in rows] == [("a", 2.0), ("b", 1.0), ("unaccounted", 1.0)]
     assert sum(r.share for r in rows) == pytest.approx(1.0)
+    assert asleep_line({"animations": 3, "animations_asleep": 2}) == "2 of 3 animations asleep"
     over = time_rows(FrameStats([PassStat("a", 5.0)], 4.0))
     assert over[-1].ms == 0.0
     assert over[0].share == pytest.approx(1.0)

@@ -66,6 +66,22 @@ def test_a_duplicate_carries_everything() -> None:
     assert np.array_equal(scene.nodes.world_matrix(copy), scene.nodes.world_matrix(1))
 
 
+def test_a_duplicate_hangs_on_its_own_joints_where_they_are_duplicated_too() -> None:
+    doc = document()
+    scene = doc.runtime.scene
+    skin, joint = int(scene.skins.node[0]), int(scene.skins.joint[0])
+    structure.duplicate(doc, (skin,))
+    assert scene.skins.joint.tolist() == [joint, joint]
+    doc.history.undo()
+    structure.duplicate(doc, (joint, skin))
+    bone, copy = doc.selection
+    assert scene.skins.node.tolist() == [skin, copy]
+    assert scene.skins.joint.tolist() == [joint, bone]
+    nodes = edited_scene(doc.runtime, doc.overrides).nodes
+    names = {n.name: [nodes[j].name for j in n.joints] for n in nodes if n.joints}
+    assert names == {"skin": ["bone"], "skin 2": ["bone 2"]}
+
+
 def test_hanging_elsewhere_keeps_the_place_in_the_world() -> None:
     doc = document()
     nodes = doc.runtime.scene.nodes

@@ -39,6 +39,13 @@ def test_runs_and_shows_its_order(name: str, quick: Callable[[], Context]) -> No
     for order in result.orders:
         assert order.met, f"{order.curve}: {order.observed} instead of {order.expected} ± {order.tolerance}"
     assert result.orders or "order is expected" in experiment.note, "no order: the note says why"
+    for order in experiment.orders:  # a line that goes two ways is two lines
+        if order.step is not None:
+            mine = [p for p in result.points if verdict.of_order(order, experiment, p.knobs)]
+            worst: dict[float, list[float]] = {}
+            for point in mine:
+                worst.setdefault(order.step(point.knobs), []).append(point.error[experiment.metric])
+            assert all(max(v) <= 2.0 * min(v) for v in worst.values()), (order.curve, worst)
     for extreme in result.extremes:
         assert extreme.ok, extreme
     default = verdict.find(result.points, experiment.default)

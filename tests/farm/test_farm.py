@@ -65,7 +65,8 @@ def test_explain_in_words(depot: Path, capsys: Capture) -> None:
     text = capsys.readouterr().out
     assert "because the dependency paint.png has other bytes" in text
     assert "red.paint.dds: written" in text
-    assert "red.lmesh: written" in text  # its header holds the source's key
+    assert "red.lmesh: the same bytes, left alone" in text
+    assert "red.scene.json: the same bytes, left alone" in text
     assert "red.paint.normal.dds: the same bytes, left alone" in text
 
 

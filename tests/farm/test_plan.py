@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from engine.core.errors import UsageError
+from importers.checks.files import checkable_files
 from importers.cli.main import main
 from importers.farm.plan import Plan, make_plan
 from importers.presets import SettingsResolver
@@ -122,3 +123,35 @@ def test_names_that_no_one_would_choose(tmp_path: Path, capsys: pytest.CaptureFi
         assert main(["convert", str(depot), "--out", str(tmp_path / "out")]) == 0
         assert expected in capsys.readouterr().out
     assert len(list((tmp_path / "out").glob("*.scene.json"))) == made
+
+
+def test_images_are_sources_where_a_folder_holds_nothing_else(tmp_path: Path) -> None:
+    touch(tmp_path, "models/a.glb", "models/skin.png", "pictures/b.png", "pictures/c.psd", "pictures/notes.txt")
+    assert targets(plan(tmp_path)) == ["out/models/a"]
+    assert targets(plan(tmp_path / "pictures")) == ["out/b", "out/c"]
+    assert [p.name for p in checkable_files(tmp_path / "pictures")] == ["b.png", "c.psd"]
+
+
+def test_images_that_make_one_texture_are_one_job(tmp_path: Path) -> None:
+    touch(tmp_path, *(f"sky_{face}.png" for face in ("px", "nx", "py", "ny", "pz", "nz")), "moon_px.png", "sky.png")
+    touch(tmp_path, "tile_00.png", "tile_01.png")
+    assert targets(plan(tmp_path)) == ["out/moon_px", "out/sky", "out/sky_nx", "out/tile_00", "out/tile_01"]
+    layers = make_plan([str(tmp_path / "tile*")], Path("out"), SettingsResolver(flags={"image_as": "array"}))
+    assert targets(layers) == ["out/tile_00"]
+
+
+def test_a_wrong_sidecar_is_no_old_story(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    source, out = triangle().write_glb(tmp_path / "fox.glb"), tmp_path / "out"
+    assert main(["convert", str(source), "--out", str(out)]) == 0
+    source.with_name("fox.glb.import").write_text('qualty = "high"\n')
+    assert main(["convert", str(source), "--out", str(out)]) == 1
+    said = capsys.readouterr()
+    assert "did you mean 'quality'" in said.err
+    assert "as before" not in said.err + said.out
+    assert "1 failed" in said.out
+
+
+def test_checking_what_is_not_there(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    touch(tmp_path, "model")
+    assert main(["check", str(tmp_path / "modle")]) == 1
+    assert "there is no such file or folder (did you mean 'model'?)" in capsys.readouterr().err

@@ -242,3 +242,15 @@ def test_the_command_fails_for_errors_only(tmp_path: Path, capsys: pytest.Captur
     assert main(["check", "--json", str(write(tmp_path, -1.0, 1.0))]) == 1
     report = json.loads(capsys.readouterr().out)[0]
     assert [f["code"] for f in report["findings"] if f["severity"] == "error"] == ["number.material"]
+
+
+def test_a_mesh_and_a_material_by_themselves(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    write(tmp_path, 0.0, 1.0)
+    bad = cube()
+    bad.streams["position"] = bad.streams["position"].copy()
+    bad.streams["position"][3] = math.nan
+    write_lmesh(tmp_path / "bad.lmesh", [cube(), bad])
+    assert main(["check", str(tmp_path / "bad.lmesh"), str(tmp_path / "paint.material.toml")]) == 1
+    out = capsys.readouterr().out
+    assert "meshes[1].position: mesh 'cube': 1 positions are not finite" in out
+    assert " params.roughness: material 'paint'" in out

@@ -7,8 +7,10 @@ import pytest
 
 from engine.animation.morph import morphed, target_reach
 from engine.app.posed import posed_positions
+from engine.assets.material import MaterialAsset
 from engine.assets.mesh import MorphTarget, Skeleton
 from engine.assets.primitives import card, cube
+from engine.assets.scene import EnvironmentAsset, SceneAsset
 from tests.support.stage import surface
 
 LIT = {"kind": "sky", "sun_illuminance": 1.0, "background": "color", "background_color": (0, 0, 0)}
@@ -188,6 +190,88 @@ def test_dual_quaternions_on_the_gpu_are_those_of_the_cpu(stage, mirror: float) 
         twin.indices = twin.indices.reshape(-1, 3)[:, ::-1].reshape(-1).copy()
     covered = stage.hdr(camera=camera)[..., :3].sum(axis=2) > 0
     assert np.count_nonzero(covered != (dual[..., :3].sum(axis=2) > 0)) <= 2
+
+
+def _twisted(stage, material=None) -> int:
+    """A cube between two joints, the second turned by 150 degrees; its skin."""
+    from engine.animation.reach import joint_reach
+    from engine.math import quat
+
+    mesh = cube()
+    right = np.asarray(mesh.streams["position"])[:, 0] > 0
+    weights, joints = np.zeros((24, 4), "<u2"), np.zeros((24, 4), "<u2")
+    weights[:, 1] = np.where(right, 39321, 26214)
+    weights[:, 0], joints[:, 1] = 65535 - weights[:, 1], 1
+    mesh.streams |= {"joints": joints, "weights": weights}
+    mesh.skeleton = Skeleton(["a", "b"], np.array([-1, 0], np.int32), np.tile(np.eye(4, dtype="<f4"), (2, 1, 1)))
+    scene = stage.runtime.scene
+    nodes = [scene.nodes.add("a"), scene.nodes.add("b")]
+    scene.nodes.set_rotation([nodes[1]], [quat.from_axis_angle(np.array([1.0, 0.0, 0.0]), np.radians(150.0))])
+    bind = mesh.skeleton.inverse_bind
+    reach = joint_reach(mesh.streams["position"], joints, weights, bind)
+    skin = scene.skins.add(stage.add(mesh, material), nodes, bind, reach)
+    stage.runtime.update()
+    return skin
+
+
+@pytest.mark.gl
+def test_an_effect_without_dual_quaternions_skins_linearly_and_says_so(stage, tmp_path) -> None:
+    from engine.core.paths import shaders_dir
+
+    text = (shaders_dir() / "effects/surface.effect.toml").read_text()
+    begin = text.index("[features.dual_quaternion]")
+    text = text[:begin] + text[text.index("[features.morph]") :]
+    (tmp_path / "effects").mkdir()
+    own = text.replace(', "dual_quaternion"', "").replace('name = "surface"', 'name = "own"')
+    (tmp_path / "effects/own.effect.toml").write_text(own)
+    asset = SceneAsset("stage", environment=EnvironmentAsset(**LIT))
+    asset.look.tone_map = "none"
+    stage.runtime.load(asset, tmp_path, shaders=[tmp_path])
+    skin = _twisted(stage, MaterialAsset("own", effect="own"))
+    scene, renderer = stage.runtime.scene, stage.runtime.renderer
+    camera = stage.view().camera
+    linear = stage.hdr(camera=camera)
+    assert not list(renderer.skin_findings)
+    scene.skins.set_method(skin, "dual_quaternion")
+    asked = stage.hdr(camera=camera)
+    assert [f.code for f in renderer.skin_findings] == ["skin.effect"]
+    assert np.array_equal(asked, linear)
+    assert linear[..., :3].max() > 0.05
+    points = posed_positions(scene, stage.runtime.residency, 0)
+    scene.skins.set_method(skin, "linear")
+    np.testing.assert_array_equal(points, posed_positions(scene, stage.runtime.residency, 0))
+    # the built-in effect blends as it is told
+    stage.look(**LIT)
+    skin = _twisted(stage)
+    linear = stage.hdr(camera=camera)
+    stage.runtime.scene.skins.set_method(skin, "dual_quaternion")
+    assert np.abs(stage.hdr(camera=camera) - linear).max() > 0.05
+    assert not list(stage.runtime.renderer.skin_findings)
+
+
+@pytest.mark.gl
+def test_force_all_morphs_what_rests_to_the_same_bits(stage) -> None:
+    """Targets of positions and normals that never had a weight: pruned, no shader knows of them; forced, all do."""
+    stage.look(**LIT)
+    mesh, rng = cube(), np.random.default_rng(1)
+    offsets = {name: rng.normal(size=(24, 3)).astype("<f4") for name in ("position", "normal")}
+    mesh.morphs = [MorphTarget("t", offsets)]
+    node = stage.add(mesh, surface(metallic=0.0, roughness=0.5))
+    _give_targets(stage, node, mesh)
+    camera = stage.view().camera
+    pruned = stage.hdr(camera=camera)
+    effects = stage.runtime.residency.effects
+    assert not any("morph" in v.features for v in effects.variants())
+    forced = stage.hdr(camera=camera, force_all=True)
+    assert any("morph" in v.features for v in effects.variants())
+    assert np.ptp(pruned[..., :3]) > 0.1
+    assert np.array_equal(forced, pruned)
+    stage.runtime.scene.morphs.set_node(node, [0.5])
+    bent = stage.hdr(camera=camera)
+    assert not np.array_equal(bent, pruned)
+    assert np.array_equal(stage.hdr(camera=camera, force_all=True), bent)
+    stage.runtime.scene.morphs.set_node(node, [0.0])
+    assert np.array_equal(stage.hdr(camera=camera), pruned)
 
 
 @pytest.mark.gl

@@ -33,7 +33,8 @@ def test_passes_are_left_out_with_a_reason(stage) -> None:
     stage.look(kind="none", sun_illuminance=0.0, background="color")
     view = stage.view()
     frame = stage.runtime.render(view)
-    assert {item.name for item in frame.graph.left_out} == {"shadow_cascades", "sky", "transparent", "resolve"}
+    left_out = {item.name for item in frame.graph.left_out}
+    assert left_out == {"shadow_cascades", "sky", "transparent", "light_heat", "resolve"}
     assert all(item.reason for item in frame.graph.left_out)
 
 

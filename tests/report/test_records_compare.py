@@ -54,7 +54,17 @@ def test_written_twice_the_same_and_read_back(report: Report, tmp_path: Path) ->
     assert sorted(p.name for p in (tmp_path / "a").iterdir()) == ["report.html", "report.json"]
 
 
-@pytest.mark.parametrize("text", ["", "{", "[]", '{"experiments": 3}', '{"experiments": [{"name": "x"}]}', "[" * 99999])
+BAD_POINT = '{"experiments": [{"name": "x", "points": [%s]}]}'
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "", "{", "[]", '{"experiments": 3}', '{"experiments": [{"name": "x"}]}', "[" * 99999, BAD_POINT % "3",
+        BAD_POINT % '{"error": {"rmse": "x"}}', BAD_POINT % '{"ms": 3}',
+        '{"experiments": [{"name": "x", "points": [], "orders": [1]}]}',
+    ],
+)  # fmt: skip
 def test_bad_twins(tmp_path: Path, text: str) -> None:
     path = tmp_path / "x.json"
     path.write_text(text, "utf-8")
@@ -90,6 +100,28 @@ def test_errors_times_and_fronts(before: dict[str, Any]) -> None:
     ]  # fmt: skip
     assert result.lines()[-1] == "4 worse, 1 better"
     assert json.loads(json.dumps(result.to_json()))["worse"] == 4
+
+
+def test_orders_and_extreme_cases(before: dict[str, Any]) -> None:
+    after = copy.deepcopy(before)
+    after["experiments"][0]["orders"][0].update(met=False, observed=1.2)
+    after["experiments"][0]["orders"][2].update(met=True, observed=2.0)
+    after["experiments"][0]["extremes"][0].update(ok=False, found="nan")
+    result = compare(before, after)
+    assert [c.worse for c in result.changes] == [True, False, True]
+    text = "\n".join(result.lines())
+    assert "worse: toy [a]: order over 1 / n (expected 2) 2.01 -> 1.2" in text
+    assert "worse: toy [zero]: extreme case fails (nan)" in text
+    assert result.lines()[-1] == "2 worse, 1 better"
+
+
+def test_other_settings_are_said(before: dict[str, Any]) -> None:
+    after = copy.deepcopy(before)
+    after.update(quick=False, seed=7)
+    after["experiments"][0]["default"] = {"kind": "b", "n": 16}
+    text = "\n".join(compare(before, after).lines())
+    for word in ("quick was True and is False", "seed was 1 and is 7", "the default was {'kind': 'a'"):
+        assert word in text
 
 
 def test_other_devices_are_not_timed_against_each_other(before: dict[str, Any]) -> None:

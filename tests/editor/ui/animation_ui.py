@@ -154,6 +154,24 @@ def states_are_moved_and_joined_in_the_graph(ctx: Any, app: App) -> None:
     assert editor.model.transitions == []
     assert editor.model.states["walking"].at == [1.0, 1.0]
     assert BOX[0] > 0
+    # the middle button moves the whole graph along, a double click on nothing brings it back
+    ctx.yield_(2)
+    corner = panel.boxes["walking"]
+    gap = corner[0] + em(BOX[0] + 0.6), corner[1] + em(0.5)
+    ctx.mouse_move_to_pos(imgui.ImVec2(*gap))
+    ctx.yield_(2)
+    ctx.mouse_down(2)
+    ctx.mouse_move_to_pos(imgui.ImVec2(gap[0] - em(3), gap[1] + em(1)))
+    ctx.yield_(2)
+    ctx.mouse_up(2)
+    ctx.yield_(2)
+    moved = [b - a for a, b in zip(corner, panel.boxes["walking"], strict=True)]
+    np.testing.assert_allclose(moved, [-em(3), em(1)], atol=1.5)
+    assert editor.model.states["walking"].at == [1.0, 1.0]
+    ctx.mouse_move_to_pos(imgui.ImVec2(gap[0] - em(3), gap[1] + em(1)))
+    ctx.mouse_double_click(0)
+    ctx.yield_(2)
+    assert panel.boxes["walking"] == corner
 
 
 def a_bone_in_the_list_masks_its_subtree_and_undo_brings_it_back(ctx: Any, app: App) -> None:
