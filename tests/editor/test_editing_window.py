@@ -2,11 +2,7 @@
 
 from __future__ import annotations
 
-import json
-import os
-import shutil
 import signal
-import subprocess
 import sys
 from pathlib import Path
 from typing import Any
@@ -16,30 +12,16 @@ import pytest
 
 from engine.report.image import load_png
 from engine.report.metrics import is_blank
+from tests.support.ui_scripts import run_in_window
 
 pytestmark = pytest.mark.window
-SCRIPT = Path(__file__).parent / "ui" / "editing_window_ui.py"
 
 
 def run(folder: Path, what: str) -> tuple[int, dict[str, Any]]:
     """Run a half of the script; (exit code, what it saw). Skips where no window can be."""
-    command = [sys.executable, str(SCRIPT), str(folder), what]
     if sys.platform != "linux":
         pytest.skip("kills its process in a way that only Linux displays survive")
-    if not os.environ.get("DISPLAY"):
-        xvfb = shutil.which("xvfb-run")
-        if xvfb is None:
-            pytest.skip("no display, and no xvfb-run to make one")
-        command = [xvfb, "-a", "-s", "-screen 0 1600x1000x24", *command]
-    places = {"LUCARNA_CACHE": str(folder / "cache"), "LUCARNA_CONFIG": str(folder / "config")}
-    done = subprocess.run(
-        command, capture_output=True, text=True, timeout=300, check=False, env={**os.environ, **places}
-    )
-    lines = [line for line in done.stdout.splitlines() if line.startswith("{")]
-    assert lines, f"it did not finish (exit {done.returncode}):\n{done.stdout[-2000:]}\n{done.stderr[-4000:]}"
-    seen: dict[str, Any] = json.loads(lines[-1])
-    assert not seen["error"], seen["error"]
-    return done.returncode, seen
+    return run_in_window("editing_window_ui.py", folder, what)
 
 
 @pytest.fixture(scope="module")

@@ -2,40 +2,21 @@
 
 from __future__ import annotations
 
-import json
-import os
-import shutil
-import subprocess
-import sys
-from pathlib import Path
 from typing import Any
 
 import pytest
 
 from engine.report.image import load_png
 from engine.report.metrics import is_blank
+from tests.support.ui_scripts import run_in_window
 
 pytestmark = pytest.mark.window
-SCRIPT = Path(__file__).parent / "ui" / "numbers_window_ui.py"
 
 
 @pytest.fixture(scope="module")
 def seen(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     folder = tmp_path_factory.mktemp("numbers")
-    command = [sys.executable, str(SCRIPT), str(folder)]
-    if sys.platform == "linux" and not os.environ.get("DISPLAY"):
-        xvfb = shutil.which("xvfb-run")
-        if xvfb is None:
-            pytest.skip("no display, and no xvfb-run to make one")
-        command = [xvfb, "-a", "-s", "-screen 0 1600x1000x24", *command]
-    places = {"LUCARNA_CACHE": str(folder / "cache"), "LUCARNA_CONFIG": str(folder / "config")}
-    done = subprocess.run(
-        command, capture_output=True, text=True, timeout=300, check=False, env={**os.environ, **places}
-    )
-    lines = [line for line in done.stdout.splitlines() if line.startswith("{")]
-    assert lines, f"it did not finish (exit {done.returncode}):\n{done.stdout[-2000:]}\n{done.stderr[-4000:]}"
-    found: dict[str, Any] = json.loads(lines[-1])
-    assert not found["error"], found["error"]
+    _, found = run_in_window("numbers_window_ui.py", folder)
     return {**found, "folder": folder}
 
 

@@ -2,11 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import os
-import shutil
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -14,9 +9,9 @@ import pytest
 
 from engine.report.image import load_png
 from engine.report.metrics import is_blank
+from tests.support.ui_scripts import run_in_window
 
 pytestmark = pytest.mark.window
-SCRIPT = Path(__file__).parent / "ui" / "shader_ui.py"
 
 #: mistake -> (place named, words of the message)
 EXPECTED = {
@@ -31,21 +26,8 @@ EXPECTED = {
 @pytest.fixture(scope="module")
 def seen(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     folder = tmp_path_factory.mktemp("shaders")
-    command = [sys.executable, str(SCRIPT), str(folder)]
-    if sys.platform == "linux" and not os.environ.get("DISPLAY"):
-        xvfb = shutil.which("xvfb-run")
-        if xvfb is None:
-            pytest.skip("no display, and no xvfb-run to make one")
-        command = [xvfb, "-a", "-s", "-screen 0 1600x1000x24", *command]
-    settings = {"LUCARNA_CACHE": str(folder / "cache"), "LUCARNA_CONFIG": str(folder / "config")}
-    done = subprocess.run(
-        command, capture_output=True, text=True, timeout=300, check=False, env={**os.environ, **settings}
-    )  # fmt: skip
-    lines = [line for line in done.stdout.splitlines() if line.startswith("{")]
-    assert lines, f"the window did not finish (exit {done.returncode}):\n{done.stdout[-2000:]}\n{done.stderr[-4000:]}"
-    results: dict[str, Any] = json.loads(lines[-1])
-    assert not results["error"], results["error"]
-    return {**results, "folder": folder}
+    _, found = run_in_window("shader_ui.py", folder)
+    return {**found, "folder": folder}
 
 
 def test_the_effect_of_the_selected_material_opens(seen: dict[str, Any]) -> None:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
 import os
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -17,19 +15,10 @@ from engine.assets.material_toml import read_material
 from engine.assets.scene_json import read_scene
 from engine.report.image import load_png
 from engine.report.metrics import is_blank
+from tests.support.ui_scripts import on_display, run_in_window
 
 pytestmark = pytest.mark.window
 HERE = Path(__file__).parent
-
-
-def on_display(command: list[str]) -> list[str]:
-    """`command`, under a virtual display where there is none; skips where there is neither."""
-    if sys.platform != "linux" or os.environ.get("DISPLAY"):
-        return command
-    xvfb = shutil.which("xvfb-run")
-    if xvfb is None:
-        pytest.skip("no display, and no xvfb-run to make one")
-    return [xvfb, "-a", "-s", "-screen 0 1600x1000x24", *command]
 
 
 def environment(folder: Path) -> dict[str, str]:
@@ -39,17 +28,8 @@ def environment(folder: Path) -> dict[str, str]:
 @pytest.fixture(scope="module")
 def seen(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     folder = tmp_path_factory.mktemp("window")
-    done = subprocess.run(
-        on_display([sys.executable, str(HERE / "ui" / "window_ui.py"), str(folder)]),
-        capture_output=True, text=True, timeout=300, check=False, env=environment(folder),
-    )  # fmt: skip
-    lines = [line for line in done.stdout.splitlines() if line.startswith("{")]
-    assert lines, (
-        f"the window test did not finish (exit {done.returncode}):\n{done.stdout[-2000:]}\n{done.stderr[-4000:]}"
-    )
-    results: dict[str, Any] = json.loads(lines[-1])
-    assert not results["error"], results["error"]
-    return {**results, "folder": folder}
+    _, found = run_in_window("window_ui.py", folder)
+    return {**found, "folder": folder}
 
 
 def test_the_scene_is_drawn(seen: dict[str, Any]) -> None:
