@@ -116,5 +116,10 @@ class Console:
         from editor.animating.editing import AnimationEditor
 
         made = (document, scene, selection, node, run, operations, edit)
-        return {"__name__": "console", "session": session, "np": np, "animation": AnimationEditor(session),
-                **{f.__name__: f for f in made}}
+        return {
+            "__name__": "console",
+            "session": session,
+            "np": np,
+            "animation": AnimationEditor(session),
+            **{f.__name__: f for f in made},
+        }

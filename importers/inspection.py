@@ -43,7 +43,10 @@ def describe(
         from importers.effect_inspection import describe_effect
 
         body = describe_effect(path, scene=scene, features=features)
-        return {"file": str(path), "kind": "effect"} | body, {}, Findings(str(path))
+        # the same keys as of all other files, though an effect has nothing of these
+        lists = ("meshes", "clips", "materials", "textures", "nodes", "lights", "cameras", "findings")
+        alike: Description = {"file": str(path), "kind": "effect"} | {name: [] for name in lists}
+        return alike | body, {}, Findings(str(path))
     contents = load_contents(path, settings)
     return describe_contents(path, contents), contents.details, contents.findings
 

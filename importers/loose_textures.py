@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from engine.assets.material import TextureRef
+from engine.assets.material import MaterialAsset, TextureRef
 from importers.geometry.added_tangents import add_tangents
 from importers.model import ImportedMaterial, ImportedModel, SourceImage, TextureUse
 from importers.settings import ImportSettings
@@ -101,10 +101,13 @@ def _apply(
             )  # fmt: skip
         by_role.setdefault(file.name.role, file.path)
     asset, where = material.asset, f"materials[{material.asset.name}]"
+    said = settings.table("materials", asset.name)
 
     def put(slot: str, image: int, what: str) -> None:
         asset.textures[slot] = TextureRef("")
         material.images[slot] = TextureUse(image, SLOTS[slot])
+        if slot in said:  # which has the last word: no guess stays
+            return
         model.findings.info(
             "materials.guess", f"{slot} = {what}: {reason}", where,
             f"override it in the sidecar: [materials.{asset.name!r}] {slot} = false, or another file",
@@ -226,12 +229,32 @@ def _override(model: ImportedModel, material: ImportedMaterial, source: Path, se
             asset.textures.setdefault(key, TextureRef(""))
             material.images[key] = TextureUse(_image(model, path, settings), SLOTS[key])
         elif key not in SLOTS and _is_value(value):
-            asset.params[key] = tuple(value) if isinstance(value, list) else value
+            mistake = _mistake(asset, key, value)
+            if mistake:
+                model.findings.warn("materials.setting", f"{key} = {value!r} is left out: {mistake}", where)
+            else:
+                asset.params[key] = tuple(value) if isinstance(value, list) else value
         else:
             model.findings.warn(
                 "materials.setting", f"{key} = {value!r} is not understood", where,
                 f"slots ({', '.join(SLOTS)}) take a file or false, parameters a number or a list of numbers",
             )  # fmt: skip
+
+
+def _mistake(asset: MaterialAsset, name: str, value: Any) -> str:
+    """What is wrong with a parameter's value, or its name: a material that holds such could not be drawn."""
+    from engine.core.errors import UsageError
+    from engine.core.paths import shaders_dir
+    from engine.materials.library import EffectLibrary
+
+    library = EffectLibrary([shaders_dir()])
+    if asset.effect not in library.names():
+        return ""
+    try:
+        library.get(asset.effect).param(name).check(value)
+    except UsageError as error:
+        return str(error)
+    return ""
 
 
 def _is_value(value: Any) -> bool:

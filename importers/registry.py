@@ -34,7 +34,8 @@ class Importer:
 
     `version` is part of every cache key: raise it whenever the same source would give other bytes. `in_folders`:
     whether folders are searched for such files; False for what is mostly a part of other sources (images), which is
-    converted when it is named, or where a folder holds nothing else. `extra`: the optional extra whose absence the module reports.
+    converted when it is named, or where a folder holds nothing else. `extra`: the optional extra whose absence the
+    module reports.
     """
 
     name: str
@@ -92,6 +93,17 @@ IMPORTERS = (
 )
 
 
+#: what is read with something else, or was imported before
+_PARTS = {
+    ".skeleton": "a skeleton is read with the .mesh that names it", ".material": "it is read with a .mesh",
+    ".skeleton.xml": "a skeleton is read with the .mesh.xml that names it", ".mtl": "it is read with its .obj",
+    ".bin": "it is read with its .gltf", ".import": "these are the settings of the source beside it",
+} | dict.fromkeys(
+    (".scene.json", ".lmesh", ".lanim", ".material.toml", ".animation.toml", ".effect.toml"),
+    "it is an engine file already: nothing to import",
+)  # fmt: skip
+
+
 def source_extensions(*, in_folders: bool = False) -> tuple[str, ...]:
     """All extensions that some importer reads, lower case; with `in_folders` those that folders are searched for."""
     return tuple(e for importer in IMPORTERS if importer.in_folders or not in_folders for e in importer.extensions)
@@ -109,6 +121,6 @@ def find_importer(path: Path) -> Importer:
         for importer in IMPORTERS:
             if importer.sniff(head):
                 return importer
-    known = ", ".join(source_extensions())
     what = extension or "files without an extension"
-    raise FormatError(f"no importer reads {what}", where=path, hint=f"known: {known}")
+    hint = next((why for ending, why in _PARTS.items() if name.endswith(ending)), "")
+    raise FormatError(f"no importer reads {what}", where=path, hint=hint or f"known: {', '.join(source_extensions())}")

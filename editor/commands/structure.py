@@ -6,12 +6,13 @@ Each function changes the scene by its own means between two looks at its tables
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from engine.assets.clip_nodes import clip_number
 from engine.assets.scene import CameraAsset, LightAsset
 from engine.core.errors import InputError
 from engine.math import transform
@@ -150,7 +151,8 @@ def duplicate(document: Document, rows: Sequence[int]) -> None:
     """Copy nodes with everything below and on them, beside the originals, and select the copies.
 
     A copy of a skinned mesh hangs on the copies of those joints that are copied too, else on the same ones, and so
-    moves with the original. Clips move the joints of the file, not copies: those keep the pose they were copied in."""
+    moves with the original. Whatever clips move below `rows` they move in the copies too; the copies of `rows`
+    themselves stay where they are put, and take only morph weights."""
     what = _what(document, rows)
     change(document, f"Duplicate {what}", lambda: copy_nodes(document, tops(document, rows)))
 
@@ -179,7 +181,18 @@ def copy_nodes(document: Document, heads: Sequence[int]) -> list[int]:
     )
     nodes.set_visible(news, nodes.visible[olds])
     _copy_contents(scene, np.array(olds), news)
+    _follow_clips(scene, olds, news.tolist(), head)
     return [int(news[index[top]]) for top in heads]
+
+
+def _follow_clips(scene: Any, olds: Sequence[int], news: Sequence[int], heads: Collection[int]) -> None:
+    """Let clips move the nodes `news` as they move `olds`; copies of `heads` are placed by hand."""
+    index_of = {row: i for i, row in enumerate(scene.row_of_node.tolist()) if row >= 0}
+    for old, new in zip(olds, news, strict=True):
+        source = scene.sources.get(old)
+        number = index_of.get(old, -1) if source is None else clip_number(source, index_of.get(old, -1))
+        if number >= 0 and source is not None:
+            scene.sources[new] = replace(source, clip_node=number, placed=source.placed or old in heads)
 
 
 def _copy_contents(scene: Any, olds: NDArray[np.int64], news: NDArray[np.int64]) -> None:

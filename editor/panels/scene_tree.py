@@ -33,6 +33,11 @@ MENU = (
 PAYLOAD = "node"
 
 
+def indent(deepest: int, width: float) -> float:
+    """Pixels a level: less in deep trees, so that the deepest name keeps more than half of `width`."""
+    return min(em(0.95), max(em(0.2), 0.45 * width / max(deepest, 1)))
+
+
 class SceneTreePanel(Panel):
     title: ClassVar[str] = "Scene"
     icon: ClassVar[str] = icons.TREE
@@ -46,6 +51,8 @@ class SceneTreePanel(Panel):
         self._rows_key: object = None
         self._rows: list[TreeRow] = []
         self._kinds: dict[int, str] = {}
+        self._deepest = 0
+        self._indent = 0.0
         self._fold_rev = 0
         self._selected_of: tuple[int, ...] = ()
         self._selected: frozenset[int] = frozenset()
@@ -73,6 +80,7 @@ class SceneTreePanel(Panel):
             imgui.table_setup_column("name", imgui.TableColumnFlags_.width_stretch)
             imgui.table_setup_column("visible", imgui.TableColumnFlags_.width_fixed, em(1.6))
             scroll_to = self._scroll_target(document)
+            self._indent = indent(self._deepest, imgui.get_content_region_avail().x)
             clipper = imgui.ListClipper()
             clipper.begin(len(self._rows))
             if scroll_to >= 0:
@@ -107,6 +115,7 @@ class SceneTreePanel(Panel):
             self._rows_key = key
             self._rows = matching_rows(document, self.needle) if self.needle else visible_rows(document, self.unfolded)
             self._kinds = kinds(document)
+            self._deepest = max((r.depth for r in self._rows), default=0)
 
     def _scroll_target(self, document: Document) -> int:
         """Index of the row to bring into view: the primary selection, once, after it changed."""
@@ -140,7 +149,7 @@ class SceneTreePanel(Panel):
         hovered = imgui.is_item_hovered()
         self._drag(ui, document, row, name)
         self._menu(ui, document, row)
-        imgui.same_line(start + item.depth * em(0.95))
+        imgui.same_line(start + item.depth * self._indent)
         imgui.align_text_to_frame_padding()
         self._arrow(item)
         imgui.same_line(0, em(0.15))

@@ -147,9 +147,7 @@ class Animator:
         """Write the poses to `nodes`: `rows` i8[m,n], the row of each character's rig nodes (-1: none). Properties that
         no clip moves are left as they are. `only` bool[m]: just these characters. Call `nodes.update()` afterwards.
         """
-        covers = np.zeros((3, len(self.graph.rig)), np.bool_)
-        for clip in self.graph.clips:
-            covers |= clip.sampler.covers
+        covers = self.covers()
         who = slice(None) if only is None else np.flatnonzero(np.asarray(only, np.bool_))
         setters = (nodes.set_translation, nodes.set_rotation, nodes.set_scale)
         for path, (part, setter) in enumerate(zip((poses.T, poses.R, poses.S), setters, strict=True)):
@@ -160,6 +158,13 @@ class Animator:
                 values, target = values[target >= 0], target[target >= 0]
             if len(target):
                 setter(target, values)
+
+    def covers(self) -> NDArray[np.bool_]:
+        """bool[3,rig nodes]: the translations, rotations and scales that some clip moves."""
+        covers = np.zeros((3, len(self.graph.rig)), np.bool_)
+        for clip in self.graph.clips:
+            covers |= clip.sampler.covers
+        return covers
 
     def move(self, nodes: NodeTable, rows: I8) -> None:
         """Carry the nodes `rows` i8[m] (the characters' own, one each) by the last update's root motion."""

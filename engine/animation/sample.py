@@ -10,6 +10,7 @@ from engine.animation.tracks import Track, pack
 from engine.assets.clip import ClipAsset
 from engine.core.findings import Findings
 from engine.math import quat
+from engine.scene.copies import Copies
 from engine.scene.nodes import NodeTable
 
 F8 = NDArray[np.float64]
@@ -43,8 +44,8 @@ class ClipPlayer:
         time = wrap(time_s, self.duration, mode)
         return [(track.path, track.rows, sample_track(track, time)) for track in self.tracks]
 
-    def apply(self, nodes: NodeTable, time_s: float, mode: str = "loop") -> None:
-        """Write the pose at `time_s` to `nodes`; call `update()` afterwards."""
+    def apply(self, nodes: NodeTable, time_s: float, mode: str = "loop", copies: Copies | None = None) -> None:
+        """Write the pose at `time_s` to `nodes`, and to the `copies` of those; call `update()` afterwards."""
         setters = {
             "translation": nodes.set_translation, "rotation": nodes.set_rotation, "scale": nodes.set_scale,
         }  # fmt: skip
@@ -54,6 +55,9 @@ class ClipPlayer:
                 setters[path](rows, values)
             elif living.any():
                 setters[path](rows[living], values[living])
+            if copies:
+                which, to = copies.repeat(rows)
+                setters[path](to, values[which])
 
     def _check_living(self, nodes: NodeTable) -> None:
         """Find, after structural changes only, which rows still hold the nodes that they held at first."""

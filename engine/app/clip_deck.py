@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from engine.animation import poses
 from engine.animation.animator import Animator
 from engine.animation.clock import MODES, wrap
 from engine.animation.events import Fired
@@ -18,11 +19,13 @@ from engine.assets.clip import ClipAsset
 from engine.assets.records import did_you_mean
 from engine.core.errors import InputError
 from engine.math import quat
+from engine.scene.copies import Copies
 from engine.scene.morphs import MorphTable
 from engine.scene.nodes import NodeTable
 
 F8 = NDArray[np.float64]
 I8 = NDArray[np.int64]
+POSE_PARTS = (poses.T, poses.R, poses.S)
 NO_ROWS: I8 = np.zeros((0, 0), np.int64)
 
 
@@ -48,6 +51,8 @@ class ClipDeck:
         self.root_motion = True
         self.fired = Fired()
         self.asleep = 0
+        #: nodes that are posed as others are
+        self.copies = Copies()
         self._rows: I8 = NO_ROWS
         self._top = -1
         self._nodes, self._morphs = nodes, morphs
@@ -118,15 +123,16 @@ class ClipDeck:
         passed, self._time = time_s - self._time, time_s
         self.asleep = 0
         if self.animator is not None:
-            awake = seers is None or visible is None or seers.sees(self._rows, visible)
+            awake = seers is None or visible is None or seers.sees(self._with_copies(self._rows), visible)
             self.asleep = int(not awake)
             self.fired = self.animator.update(passed, None if awake else np.zeros(len(self.animator), np.bool_))
             if awake:
                 self.animator.write(self._nodes, np.where(self._living(self._rows), self._rows, -1))
+                self._repeat(self.animator.poses[:, 0], self.animator.covers())
                 self._weigh(self._heard())
             self._carry(self.animator.travel[0])
         elif self.sequence is not None:
-            if seers is None or visible is None or seers.sees(self._rows, visible):
+            if seers is None or visible is None or seers.sees(self._with_copies(self._rows), visible):
                 self._follow(self.sequence, time_s)
             else:
                 self.asleep = 1
@@ -134,7 +140,7 @@ class ClipDeck:
         else:
             for number in self.active:
                 player = self.players[number]
-                if seers is None or visible is None or seers.sees(player.node_rows, visible):
+                if seers is None or visible is None or seers.sees(self._with_copies(player.node_rows), visible):
                     self._play(number, time_s * self.speed)
                 else:
                     self.asleep += 1
@@ -154,12 +160,13 @@ class ClipDeck:
         player = self.players[number]
         weights = self.morph_players[number] if self.morph_players else None
         if weights is None or self._morphs is None or not len(weights.numbers):
-            player.apply(self._nodes, time, self.mode)
+            player.apply(self._nodes, time, self.mode, self.copies.moving)
             return
         # one time for transforms and weights, whichever ends first
         length = max(player.duration, weights.duration)
-        player.apply(self._nodes, wrap(time, length, self.mode), "once")
+        player.apply(self._nodes, wrap(time, length, self.mode), "once", self.copies.moving)
         self._morphs.set(weights.numbers, weights.sample(wrap(time, length, self.mode)))
+        self._repeat_weights(weights.numbers)
 
     def _follow(self, sequence: ClipSequence, time: float) -> None:
         pose = sequence.pose([time])
@@ -169,6 +176,7 @@ class ClipDeck:
             columns = columns[rows[columns] >= 0]
             if len(columns):
                 setter(rows[columns], pose[part, 0, columns].T)
+        self._repeat(pose[:, 0], sequence.covers())
         heard = [
             (sequence.clips[sequence.tracks[i].blocks[j].clip].sampler.name, clip_time, level)
             for i, j, level, clip_time in sequence.audible([time])
@@ -200,6 +208,32 @@ class ClipDeck:
             level[player.numbers] += weight
         mixed = total / np.maximum(level, 1.0) + morphs.rest * np.maximum(1.0 - level, 0.0)
         morphs.set(np.flatnonzero(touched), mixed[touched])
+        self._repeat_weights(np.flatnonzero(touched))
+
+    def _repeat(self, pose: F8, covers: NDArray[np.bool_]) -> None:
+        """Give copies of the rig's nodes the `pose` f8[10,rig nodes], where something moves it."""
+        which, to = self.copies.moving.repeat(self._rows[0])
+        setters = (self._nodes.set_translation, self._nodes.set_rotation, self._nodes.set_scale)
+        for part, moved, setter in zip(POSE_PARTS, covers, setters, strict=True):
+            some = moved[which]
+            if some.any():
+                setter(to[some], pose[part][:, which[some]].T)
+
+    def _repeat_weights(self, numbers: I8) -> None:
+        """Give copies the weights that `numbers` (of the morph table) were just set to."""
+        morphs, copies = self._morphs, self.copies
+        if morphs is None or not len(copies) or not len(numbers):
+            return
+        mine = morphs.of_nodes(copies.row)
+        for leader, row in zip(copies.leader[mine >= 0], mine[mine >= 0], strict=True):  # those with targets only
+            (of_leader,) = np.nonzero(morphs.node == leader)
+            lead = int(of_leader[0]) if len(of_leader) else -1  # rows stay, so the first is that of the file
+            if lead >= 0 and morphs.count[lead] == morphs.count[row] and morphs.first[lead] in numbers:
+                run = np.arange(morphs.count[row])
+                morphs.set(morphs.first[row] + run, morphs.weights[morphs.first[lead] + run])
+
+    def _with_copies(self, rows: I8) -> I8:
+        return np.append(rows, self.copies.repeat(rows.reshape(-1))[1]) if len(self.copies) else rows
 
     def _moved(self) -> I8:
         rows = [self.players[i].node_rows for i in self.active]
@@ -208,6 +242,9 @@ class ClipDeck:
         return np.unique(np.concatenate(rows)) if rows else np.zeros(0, np.int64)
 
     def _rest_rows(self, rows: I8) -> None:
+        which, to = self.copies.moving.repeat(rows)
+        if len(to):
+            self._nodes.set_trs(to, *(column[rows[which]] for column in self._rest))
         rows = rows[self._living(rows)]
         if len(rows):
             self._nodes.set_trs(rows, *(column[rows] for column in self._rest))

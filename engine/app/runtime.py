@@ -19,6 +19,7 @@ from engine.app.framing import AZIMUTH, ELEVATION, frame_points, scene_box, scen
 from engine.app.picking import pick_hits, pick_node, view_ray
 from engine.app.project import shader_folders
 from engine.assets.clip import ClipAsset
+from engine.assets.clip_nodes import ClipNodes, clip_nodes
 from engine.assets.lanim import read_lanim
 from engine.assets.scene import SceneAsset
 from engine.assets.scene_json import read_scene
@@ -34,6 +35,7 @@ from engine.render.renderer import Renderer
 from engine.render.view import View
 from engine.resources.hot_reload import HotReload
 from engine.resources.residency import Residency
+from engine.scene.copies import copies_of
 from engine.scene.light_profiles import check_profiles
 from engine.scene.scene import Scene
 from engine.scene.skins import METHODS
@@ -77,6 +79,9 @@ class Runtime:
         self._updates = 0
         self.findings = Findings()
         self._posed_at = math.nan
+        self._lead: ClipNodes | None = None
+        self._opened_rows: NDArray[np.int64] = np.zeros(0, np.int64)
+        self._copied_rev = -1
 
     # --- opening ---
 
@@ -102,12 +107,15 @@ class Runtime:
         self.scene = Scene.from_asset(asset)
         self.scene.folder = base
         self.node_rows = self.scene.row_of_node
+        self._opened_rows = self.node_rows.copy()
+        self._lead = clip_nodes(asset.nodes)
         self.findings.items.extend(self.scene.findings)
         check_profiles(self.scene.lights.profiles, base, self.findings)
         self._add_instances(asset, base)
         for name in asset.clips:
             try:
                 clip = read_lanim(base / name)
+                clip = clip if self._lead is None else self._lead.bind(clip)
                 player = ClipPlayer(clip, self.node_rows)
                 self.findings.items.extend(player.findings)
                 self.players.append(player)
@@ -222,6 +230,7 @@ class Runtime:
 
     def play(self, *clips: int | str, mode: str = "loop", speed: float = 1.0) -> None:
         """Play these clips (numbers or names) instead; see ClipDeck.play. A scene opens playing its first."""
+        self._find_copies()  # what played so far goes to rest, copies too
         self.deck.play(*clips, mode=mode, speed=speed)
         self._posed_at = math.nan
 
@@ -259,11 +268,12 @@ class Runtime:
         if drive not in DRIVES or (drive != "clips" and animation is None):
             raise InputError(f"nothing here is driven by {drive!r}", hint=f"choose one of {', '.join(DRIVES)}")
         self._posed_at = math.nan
+        self._find_copies()
         if drive == "clips" or animation is None:
             if self.deck.animator is not None or self.deck.sequence is not None:
                 self.deck.play(*([0] if self.clips else []))
             return
-        rows = self.node_rows[animation.rig.source][None]
+        rows = self._opened_rows[animation.rig.source][None]
         top = int(self.node_rows[animation.top]) if animation.top >= 0 else -1
         if drive == "timeline" and animation.sequence is not None:
             self.deck.follow(animation.sequence, rows, top)
@@ -287,6 +297,7 @@ class Runtime:
     def seek(self, time_s: float) -> None:
         """Pose the scene at `time_s` without passing what lies between; that far into its state where states drive."""
         if self.deck.animator is not None:
+            self._find_copies()
             self.deck.animator.seek(time_s)
             self.deck.apply(self.deck.time)
             self.scene.update()
@@ -298,10 +309,17 @@ class Runtime:
 
         An unchanged time poses nothing, so what was moved by hand stays moved until time goes on.
         """
+        self._find_copies()
         if time_s != self._posed_at:
             self._posed_at = time_s
             self.deck.apply(time_s, *self._seen())
         self.scene.update()
+
+    def _find_copies(self) -> None:
+        """After structural changes: which nodes play along with which."""
+        if self._copied_rev != self.scene.nodes.structure_rev:
+            self._copied_rev = self.scene.nodes.structure_rev
+            self.deck.copies = copies_of(self.scene, self._lead, self._opened_rows)
 
     def _seen(self) -> tuple[NDArray[np.bool_] | None, Seers | None]:
         """What the last picture showed; now and then nothing, so that what walks into view by its clip is found."""

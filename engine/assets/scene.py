@@ -78,6 +78,10 @@ class NodeAsset:
     #: indices of joint nodes for a skinned mesh
     joints: list[int] = field(default_factory=list)
     weights: list[float] = field(default_factory=list)
+    #: the number that clips know it by where that is not its index (see clip_nodes); -1: no clip moves it
+    clip_node: int | None = None
+    #: its place is not the clips' affair: of them it takes morph weights only
+    placed: bool = False
     extras: dict[str, object] = field(default_factory=dict)
 
 

@@ -98,6 +98,8 @@ _NODE = Record(
         "light": optional(_LIGHT.read),
         "joints": items(integer(0)),
         "weights": items(number()),
+        "clip_node": optional(integer(-1)),
+        "placed": boolean,
         "extras": mapping,
     },
     {"mesh": _MESH, "camera": _CAMERA, "light": _LIGHT},
@@ -216,7 +218,8 @@ def check_scene(scene: SceneAsset) -> None:
             if not 0 <= joint < count:
                 raise Bad(f"joint {joint} is outside the {count} nodes", f"nodes[{index}].joints")
         if not any(node.rotation):
-            raise Bad("the rotation has length zero", f"nodes[{index}].rotation", "set it to [0, 0, 0, 1], which is none")
+            place, hint = f"nodes[{index}].rotation", "set it to [0, 0, 0, 1], which is none"
+            raise Bad("the rotation has length zero", place, hint)
     if scene.active_camera >= count:
         raise Bad(f"{scene.active_camera} is outside the {count} nodes", "active_camera")
     if scene.active_camera >= 0 and scene.nodes[scene.active_camera].camera is None:

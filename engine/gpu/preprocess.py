@@ -18,7 +18,8 @@ from engine.gpu.types import ShaderSource
 STAGES = ("vertex", "fragment", "compute", "geometry", "tess_control", "tess_evaluation")
 MAX_BYTES = 4 << 20  # of one file: shaders are small, anything above is not a shader
 MAX_NAMES = 2000  # of files that a wrong name is compared with
-MAX_LINES = 200_000  # of the flattened text: conditional includes could multiply
+MAX_LINES = 200_000  # of the flattened text
+MAX_INCLUDES = 2000  # that one text follows: conditional includes could multiply
 
 _DIRECTIVE = re.compile(r"\s*#\s*(\w+)")
 _INCLUDE = re.compile(r'\s*#\s*include\s*"([^"]+)"\s*(//.*|/\*.*\*/\s*)?$')
@@ -36,6 +37,7 @@ class _Flattening:
     done: set[Path] = field(default_factory=set)
     conditional: dict[Path, str] = field(default_factory=dict)
     texts: MutableMapping[Path, str] = field(default_factory=dict)
+    includes: int = 0
 
     def has(self, path: Path) -> bool:
         return path.is_file() or path.resolve() in self.texts
@@ -142,6 +144,12 @@ def _include(state: _Flattening, line: str, place: Place, folder: Path | None, d
     if key in state.stack:
         chain = " -> ".join(p.name for p in [*state.stack[state.stack.index(key) :], key])
         raise ShaderError(f"#include {wanted!r} closes a cycle: {chain}", where=place)
+    state.includes += 1
+    if state.includes > MAX_INCLUDES:
+        raise ShaderError(
+            f"more than {MAX_INCLUDES} files through #include", where=place,
+            hint="#include each file once, outside of any #if",
+        )  # fmt: skip
     _add_file(state, found, depth)
 
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from engine.assets.clip_nodes import clip_number
 from engine.assets.scene import IDENTITY_ROTATION, NodeAsset, SceneAsset
 from engine.scene.scene import Scene
 
@@ -70,6 +71,10 @@ def scene_asset(scene: Scene, base: SceneAsset | None) -> SceneAsset:
     before = {int(row): index for index, row in enumerate(scene.row_of_node.tolist()) if row >= 0}
     joint_of = {old: index_of[row] for row, old in before.items() if row in index_of}
     nodes = [_node_asset(scene, row, index_of, joint_of) for row in order]
+    if base is None or base.clips:  # their channels count nodes as the scene's file did
+        for index, (node, row) in enumerate(zip(nodes, order, strict=True)):
+            number = clip_number(node, before.get(row, -1))
+            node.clip_node = None if number == index else number
     skins = scene.skins
     for node, skin in zip(nodes, skins.of_nodes(np.array(order, np.int64)).tolist(), strict=True):
         if skin >= 0:  # a copy hangs on other joints than its source

@@ -77,8 +77,9 @@ class MorphTable:
     def living(self) -> I8:
         """i8[k]: the rows whose nodes are still what they were: a removed node's row comes back with it."""
         nodes = self._nodes
-        good = nodes.alive[self.node] & (nodes.generation[self.node] == self._generation)
-        rows: I8 = np.flatnonzero(good)
+        there: I8 = np.flatnonzero(self.node < len(nodes.alive))  # undoing an addition makes the node table shorter
+        at = self.node[there]
+        rows: I8 = there[nodes.alive[at] & (nodes.generation[at] == self._generation[there])]
         return rows
 
     def of_nodes(self, rows: ArrayLike) -> I8:

@@ -111,6 +111,12 @@ def _check_source(path: Path, settings: ImportSettings) -> tuple[Findings, Conte
             decode(data, source.path, settings)
         except InputError as error:
             model.findings.error("texture.image", f"cannot be decoded: {error.message}", source.path, error.hint)
+    if model.lone is not None:
+        from importers.images.lone import unreadable
+
+        for file, why in unreadable([path, *model.dependencies], settings):
+            place = "" if file == path else file.name
+            model.findings.error("texture.image", f"cannot be decoded: {why.message}", place, why.hint)
     scene = SceneAsset(
         model.name, model.nodes, environment=model.environment, look=model.look, active_camera=model.active_camera
     )
@@ -124,9 +130,28 @@ def _check_source(path: Path, settings: ImportSettings) -> tuple[Findings, Conte
                 "material.missing-map", f"material {material.name!r} wants a {slot} and has none; it draws as magenta",
                 place, "put the image where the source names it, or take it from the material",
             )  # fmt: skip
+    _check_radiance(path, "", model.findings)
     contents = Contents("source", model.findings)
     take_model(model, importer, contents)
     return model.findings, contents
+
+
+def _check_radiance(path: Path, place: str, findings: Findings) -> None:
+    """Texels of an environment's file that are no light."""
+    from importers.textures.hdr import bad_texels, probe
+
+    if path.suffix.lower() not in (".hdr", ".exr") or not _is_file(path):
+        return
+    try:
+        data = path.read_bytes()
+        bad = bad_texels(data, str(path)) if probe(data) else 0
+    except (InputError, OSError):
+        return  # said by who reads it
+    if bad:
+        findings.warn(
+            "number.texel", f"{bad:,} texels of {path.name!r} are not a number, infinite or negative", place,
+            "save the picture again without them; until then they are black, or as bright as can be",
+        )  # fmt: skip
 
 
 def _check_scene(path: Path, findings: Findings) -> None:
@@ -144,6 +169,7 @@ def _check_scene(path: Path, findings: Findings) -> None:
         wanted.setdefault(clip, f"clips[{number}]")
     if scene.environment.kind == "image":
         wanted.setdefault(scene.environment.path, "environment.path")
+        _check_radiance(path.parent / scene.environment.path, "environment.path", findings)
     _report_missing(path.parent, wanted, findings)
     check_profiles((node.light.profile for node in scene.nodes if node.light), path.parent, findings)
     _check_numbers(path.parent, scene, findings)

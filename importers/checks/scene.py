@@ -7,7 +7,7 @@ it was meant; warnings will be seen or cost something; the rest is information.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -22,6 +22,7 @@ from engine.core.errors import UsageError
 from engine.core.findings import Findings
 from engine.core.paths import shaders_dir
 from engine.materials.library import EffectLibrary
+from engine.materials.suggest import hint
 from engine.math.bounds import transform_box
 from engine.math.ggx import MIN_ROUGHNESS
 from engine.scene.morphs import LARGEST_WEIGHT
@@ -82,7 +83,8 @@ def check_scene_numbers(parts: SceneParts, findings: Findings) -> None:
 
 
 def check_material_numbers(material: MaterialAsset, path: str, findings: Findings) -> None:
-    """Add findings about one material's values. Unknown effects and parameters are left to who loads it."""
+    """Add findings about one material's values, and names that its effect lacks. Unknown effects are left to who loads
+    it."""
     library = EffectLibrary([shaders_dir()])
     if material.effect not in library.names():
         return
@@ -91,6 +93,7 @@ def check_material_numbers(material: MaterialAsset, path: str, findings: Finding
     for name, value in material.params.items():
         param = effect.param_by_name.get(name)
         if param is None:
+            _report_unknown(material, "parameter", name, effect.param_by_name, f"{params}.{name}", findings)
             continue
         try:
             param.check(value)
@@ -99,12 +102,26 @@ def check_material_numbers(material: MaterialAsset, path: str, findings: Finding
                 "number.material", f"material {material.name!r}: {error.message}", f"{params}.{name}",
                 "give a value in that range; until then the material is drawn in magenta",
             )  # fmt: skip
+    for slot in material.textures:
+        if slot not in effect.slot_by_name:
+            where = f"{path}.textures.{slot}" if path else f"textures.{slot}"
+            _report_unknown(material, "texture", slot, effect.slot_by_name, where, findings)
     roughness = material.params.get("roughness", 1.0)
     if isinstance(roughness, (int, float)) and 0.0 <= roughness < MIN_ROUGHNESS and "unlit" not in material.features:
         findings.info(
             "number.roughness", f"material {material.name!r}: roughness {roughness:g} is drawn as {MIN_ROUGHNESS:g}",
             f"{params}.roughness", f"nothing to do, or set {MIN_ROUGHNESS:g}; below that highlights would flicker",
         )  # fmt: skip
+
+
+def _report_unknown(
+    material: MaterialAsset, kind: str, name: str, known: Iterable[str], where: str, findings: Findings
+) -> None:
+    # a warning, as a project's own effect of that name may well have it
+    findings.warn(
+        "material.unknown", f"material {material.name!r}: the effect {material.effect!r} has no {kind} {name!r}", where,
+        f"{hint(name, known)}; unless the project has an effect of that name, the material is drawn in magenta",
+    )  # fmt: skip
 
 
 def _check_nodes(parts: SceneParts, findings: Findings) -> None:

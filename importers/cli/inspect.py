@@ -51,7 +51,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _shorten(description: dict[str, Any]) -> None:
     """In text, the tree of nodes is a number, and long lists end early."""
-    if "nodes" in description:
+    if description.get("nodes") or description.get("meshes"):
         nodes = description["nodes"]
         description["nodes"] = {"count": len(nodes), "with a mesh": sum("mesh" in node for node in nodes)}
         meshes = description["meshes"]

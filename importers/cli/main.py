@@ -28,6 +28,9 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "doctor": ("importers.cli.doctor", "show the graphics device, libraries, and what to do about them"),
 }
 
+#: commands that only tell something
+TELLING = ("inspect", "doctor", "cache")
+
 
 class _Parser(argparse.ArgumentParser):
     """argparse, with our form of errors."""
@@ -60,9 +63,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"lucarna: error: {error}", file=sys.stderr)
         return error.exit_code
     except BrokenPipeError:
-        # The reader of our output is gone (`lucarna … | head`): nothing more to say, and nobody to say it to
+        # The reader of our output is gone (`lucarna … | head`): nothing more to say, and nobody to say it to.
+        # Where there was more to do than to say it, it stays undone, and that is no success
         sys.stderr.close()
-        return 0
+        return 0 if not words or words[0] not in COMMANDS or words[0] in TELLING else 3
     except OSError as error:
         # a name that no file can have, a folder that may not be searched, a full disk behind our output
         where = f"{error.filename}: " if error.filename is not None else ""

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from engine.animation.pose import PosedMesh, pose_meshes, pose_nodes
 from engine.assets.clip import ClipAsset
+from engine.assets.clip_nodes import spread
 from engine.assets.lanim import read_lanim
 from engine.assets.lmesh import read_lmesh
 from engine.assets.mesh import MeshAsset
@@ -54,7 +55,9 @@ def load_geometry(path: Path, settings: ImportSettings) -> Geometry:
 
 def _from_scene(path: Path) -> Geometry:
     scene = read_scene(path)
-    geometry = Geometry(scene.name, scene.nodes, [], [], [read_lanim(path.parent / clip) for clip in scene.clips])
+    geometry = Geometry(
+        scene.name, scene.nodes, [], [], [spread(read_lanim(path.parent / clip), scene.nodes) for clip in scene.clips]
+    )
     first: dict[str, int] = {}
     for node in scene.nodes:
         if node.mesh is None:

@@ -14,6 +14,7 @@ import numpy as np
 
 from engine.animation.pose import pose_meshes, pose_nodes
 from engine.assets.clip import ClipAsset
+from engine.assets.clip_nodes import spread
 from engine.assets.lanim import read_lanim
 from engine.assets.lmesh import read_lmesh
 from engine.assets.material import MaterialAsset
@@ -157,7 +158,7 @@ def _from_scene(path: Path, settings: ImportSettings) -> ExportSource:
                 pictures[file] = None
         return pictures[file]
 
-    clips = [read_lanim(folder / clip) for clip in scene.clips]
+    clips = [spread(read_lanim(folder / clip), scene.nodes) for clip in scene.clips]
     return ExportSource(
         scene.name, findings, scene.nodes, meshes, materials, of, clips, picture,
         environment=scene.environment, look=scene.look,

@@ -43,7 +43,7 @@ def make_plan(words: Sequence[str], out: Path, resolver: SettingsResolver) -> Pl
     seen: set[str] = set()
     for word in words:
         try:
-            found = _sources(word, out, plan.folders)
+            found = _sources(word, out, plan)
         except InputError as error:  # the other words may be right
             plan.refused.append(refusal(Job(Path(word), out, ""), error))
             continue
@@ -85,7 +85,7 @@ def _parts(source: Path, resolver: SettingsResolver) -> tuple[Path, ...]:
     return siblings_of(source, settings)
 
 
-def _sources(word: str, out: Path, folders: list[Path]) -> list[tuple[Path | None, Path]]:
+def _sources(word: str, out: Path, plan: Plan) -> list[tuple[Path | None, Path]]:
     """(root that the output mirrors, source) of one word of the command line."""
     path = Path(word)
     if any(c in word for c in _MAGIC) and not os.path.lexists(path):
@@ -94,7 +94,7 @@ def _sources(word: str, out: Path, folders: list[Path]) -> list[tuple[Path | Non
         root = Path(*parts[:fixed])
         matches = sorted(Path(p) for p in glob.glob(word, recursive=True))  # noqa: PTH207  (absolute patterns)
         found = [p for p in matches if p.is_file()]
-        folders.append(root)
+        plan.folders.append(root)
         if not found:
             raise InputError("no file matches this pattern", where=word, hint="** stands for any number of folders")
         return [(root, p) for p in found if not _below(p, out)]
@@ -108,19 +108,25 @@ def _sources(word: str, out: Path, folders: list[Path]) -> list[tuple[Path | Non
 
         raise InputError("there is no such file or folder", where=path, hint=similar_name_hint(path))
     # images of a folder are parts of its models; where there is none, they are what it holds
+    closed: dict[str, OSError] = {}
     for known in (source_extensions(in_folders=True), IMAGES):
-        found = sorted(_walk(path, out, known, folders))
+        found = sorted(_walk(path, out, known, plan.folders, closed))
         if found:
             break
-    else:
+    for place, error in sorted(closed.items()):
+        reason = InputError(f"cannot search the folder: {error.strerror}", where=place, hint="check its rights")
+        plan.refused.append(refusal(Job(Path(place), out, ""), reason))
+    if not found and not closed:
         hint = f"known: {', '.join(source_extensions())}"
         raise InputError("the folder holds no file that can be imported", where=path, hint=hint)
     return [(path, p) for p in found]
 
 
-def _walk(root: Path, out: Path, known: tuple[str, ...], folders: list[Path]) -> Iterable[Path]:
+def _walk(
+    root: Path, out: Path, known: tuple[str, ...], folders: list[Path], closed: dict[str, OSError]
+) -> Iterable[Path]:
     skipped = os.path.abspath(out)  # noqa: PTH100  (compared as text below)
-    for base, inner, files in os.walk(root):
+    for base, inner, files in os.walk(root, onerror=lambda error: closed.update({str(error.filename): error})):
         folders.append(Path(base))
         # links to folders are not followed by os.walk: loops cannot happen
         inner[:] = sorted(

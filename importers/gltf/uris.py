@@ -84,6 +84,8 @@ def similar_name_hint(path: Path) -> str:
     except OSError:
         return "check that the path is right"
     names = [n for n in names if Path(n).suffix.lower() == path.suffix.lower()]
+    if path.name in names:
+        return "check that you may read it"
     near = difflib.get_close_matches(path.name.lower(), [n.lower() for n in names], 1, 0.6)
     if not near:
         return "put the file there, or export the source again"

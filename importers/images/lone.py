@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.assets.texture import TextureAsset
-from engine.core.errors import FormatError
+from engine.core.errors import FormatError, InputError
 from importers.gltf.uris import read_regular_file
 from importers.images.grouping import Group
 from importers.settings import ImportSettings
@@ -40,6 +40,17 @@ def build(group: Group, role: str, flip: bool, settings: ImportSettings) -> Text
 def read_pixels(file: Path, settings: ImportSettings) -> Pixels:
     """The image's pixels, upright. Raises InputError."""
     return decode(read_regular_file(file, settings.max_file_bytes), str(file), settings, upright=True)
+
+
+def unreadable(files: Sequence[Path], settings: ImportSettings) -> Iterator[tuple[Path, InputError]]:
+    """Those of `files` that hold no sound image, and why."""
+    for file in files:
+        try:
+            data = read_regular_file(file, settings.max_file_bytes)
+            if stored_texture(data, str(file), settings) is None:
+                decode(data, str(file), settings)
+        except InputError as error:
+            yield file, error
 
 
 def layered(parts: Sequence[TextureAsset], group: Group) -> TextureAsset:

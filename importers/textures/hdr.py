@@ -42,9 +42,19 @@ def probe(data: bytes) -> tuple[str, int, int] | None:
 
 def decode(data: bytes, place: str) -> Floats:
     """f4[h,w,3] from the bytes of an .hdr or .exr file, finite and not negative. Raises FormatError."""
-    image = _rgbe(data, place) if data[:2] == b"#?" else _exr(data, place)
+    image = _stored(data, place)
     finite = np.nan_to_num(image, nan=0.0, posinf=3.4e38, neginf=0.0)
     return np.maximum(finite, np.float32(0.0))
+
+
+def bad_texels(data: bytes, place: str) -> int:
+    """How many texels of an .hdr or .exr file `decode` mends: not a number, infinite, negative. Raises FormatError."""
+    image = _stored(data, place)
+    return int(np.count_nonzero(~(np.isfinite(image) & (image >= 0.0)).all(axis=-1)))
+
+
+def _stored(data: bytes, place: str) -> Floats:
+    return _rgbe(data, place) if data[:2] == b"#?" else _exr(data, place)
 
 
 def load_radiance(path: Path, settings: ImportSettings | None = None) -> Floats:

@@ -116,12 +116,12 @@ def test_wrong_values_say_where(text: str, where: str, message: str) -> None:
 
 def test_wrong_numbers_name_the_node_and_the_remedy() -> None:
     for text, remedy in ((broken(scale=[1, math.nan, 1]), "give a number"), (broken(rotation=[0] * 4), "[0, 0, 0, 1]")):
-        with pytest.raises(FormatError, match="node 'a'") as info:
+        with pytest.raises(FormatError, match="node 'n'") as info:
             parse_scene(text, "s")
         assert remedy in info.value.hint
     findings = Findings()
     parse_scene(broken(rotation=[0, 0, 0, 3]), "s", findings)
-    assert "node 'a'" in findings.items[0].message
+    assert "node 'n'" in findings.items[0].message
     assert findings.items[0].hint
 
 

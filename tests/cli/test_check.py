@@ -161,3 +161,12 @@ def assert_sarif(log: dict[str, Any]) -> None:
                 region = physical.get("region", {"startLine": 1})
                 assert region["startLine"] >= 1
                 assert region.get("startColumn", 1) >= 1
+
+
+def test_a_damaged_picture_by_itself(tmp_path: Path, capsys: Capture) -> None:
+    (tmp_path / "sound.png").write_bytes(png(4, 4))
+    (tmp_path / "cut.png").write_bytes(png(64, 64)[:60])
+    assert main(["check", str(tmp_path), "--json"]) == 1
+    found = {Path(report["path"]).name: report for report in json.loads(capsys.readouterr().out)}
+    assert [f["code"] for f in found["cut.png"]["findings"] if f["severity"] == "error"] == ["texture.image"]
+    assert all(f["severity"] == "info" for f in found["sound.png"]["findings"])

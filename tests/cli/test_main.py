@@ -154,3 +154,15 @@ def test_a_name_that_no_file_can_have_is_a_missing_file(
 def test_what_the_system_refuses_is_no_traceback(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["new", str(tmp_path / ("n" * 300))]) == 3
     assert capsys.readouterr().err.startswith("lucarna: error: ")
+
+
+@pytest.mark.parametrize(("command", "code"), [("inspect", 0), ("convert", 3)])
+def test_a_reader_that_is_gone_leaves_work_undone(
+    command: str, code: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def gone(words: list[str]) -> int:
+        raise BrokenPipeError
+
+    monkeypatch.setattr(cli, "_run", gone)
+    monkeypatch.setattr(sys, "stderr", (tmp_path / "stderr").open("w"))
+    assert main([command]) == code

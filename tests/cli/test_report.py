@@ -88,6 +88,22 @@ def test_a_file_is_no_folder(tmp_path: Path, capsys: Capture) -> None:
     assert (tmp_path / "r").read_text("utf-8") == "mine"
 
 
+def test_a_folder_that_cannot_be_made_is_known_before_measuring(
+    tmp_path: Path, capsys: Capture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("importers.cli.report._measure", lambda chosen, args: pytest.fail("measured first"))
+    (tmp_path / "file").touch()
+    assert main(["report", "quaternion", "--out", str(tmp_path / "file" / "r")]) == 3
+    assert "cannot make the folder" in capsys.readouterr().err
+
+
+def test_a_scene_that_changes_nothing_is_said(tmp_path: Path, capsys: Capture) -> None:
+    (tmp_path / "x.glb").touch()
+    words = ["report", "quaternion", "--quick", "--scene", str(tmp_path / "x.glb"), "--out", str(tmp_path / "r")]
+    assert main(words) == 0
+    assert "quaternion has inputs of its own" in capsys.readouterr().err
+
+
 def test_compare_needs_reports(tmp_path: Path, capsys: Capture) -> None:
     (tmp_path / "a.json").write_text("{}", "utf-8")
     assert main(["report", "--compare", str(tmp_path / "a.json"), str(tmp_path / "a.json")]) == 1

@@ -155,3 +155,27 @@ def test_checking_what_is_not_there(tmp_path: Path, capsys: pytest.CaptureFixtur
     touch(tmp_path, "model")
     assert main(["check", str(tmp_path / "modle")]) == 1
     assert "there is no such file or folder (did you mean 'model'?)" in capsys.readouterr().err
+
+
+def test_parts_of_other_sources_say_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    touch(tmp_path, "ninja.skeleton", "ninja.lmesh")
+    assert main(["convert", *(str(p) for p in sorted(tmp_path.iterdir())), "--out", str(tmp_path / "out")]) == 1
+    said = capsys.readouterr().err
+    assert "a skeleton is read with the .mesh that names it" in said
+    assert "it is an engine file already" in said
+
+
+def test_a_folder_that_may_not_be_searched_is_not_passed_over(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    touch(tmp_path, "a.glb", "closed/b.glb")
+    scandir = os.scandir
+
+    def refusing(path: str) -> object:
+        if Path(path).name == "closed":
+            raise PermissionError(13, "Permission denied", path)
+        return scandir(path)
+
+    monkeypatch.setattr(os, "scandir", refusing)
+    found = plan(tmp_path)
+    assert targets(found) == ["out/a"]
+    assert "cannot search the folder: Permission denied" in found.refused[0].error
+    assert len(plan(tmp_path / "closed").refused) == 1

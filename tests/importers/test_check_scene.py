@@ -13,17 +13,20 @@ import pytest
 
 from engine.assets.clip import Channel, ClipAsset
 from engine.assets.lmesh import write_lmesh
-from engine.assets.material import MaterialAsset
+from engine.assets.material import MaterialAsset, TextureRef
 from engine.assets.material_toml import write_material
 from engine.assets.mesh import MeshAsset, MorphTarget, Skeleton
 from engine.assets.primitives import cube, mesh_from_arrays, uv_sphere
-from engine.assets.scene import CameraAsset, LightAsset, MeshRef, NodeAsset, SceneAsset
+from engine.assets.scene import CameraAsset, EnvironmentAsset, LightAsset, MeshRef, NodeAsset, SceneAsset
 from engine.assets.scene_json import write_scene
 from engine.core.findings import Finding, Findings, Severity
+from engine.report.image import save_exr
+from importers.checks.files import check_file
 from importers.checks.light_inside import is_inside
 from importers.checks.mesh import check_mesh_numbers
 from importers.checks.scene import SceneParts, check_scene_numbers
 from importers.cli.main import main
+from importers.settings import ImportSettings
 
 
 def sound() -> SceneParts:
@@ -251,6 +254,29 @@ def test_a_mesh_and_a_material_by_themselves(tmp_path: Path, capsys: pytest.Capt
     bad.streams["position"][3] = math.nan
     write_lmesh(tmp_path / "bad.lmesh", [cube(), bad])
     assert main(["check", str(tmp_path / "bad.lmesh"), str(tmp_path / "paint.material.toml")]) == 1
-    out = capsys.readouterr().out
-    assert "meshes[1].position: mesh 'cube': 1 positions are not finite" in out
-    assert " params.roughness: material 'paint'" in out
+    said = capsys.readouterr()
+    assert "meshes[1].position: mesh 'cube': 1 positions are not finite" in said.err
+    assert " params.roughness: material 'paint'" in said.out
+
+
+def test_names_that_the_effect_lacks(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "paint.material.toml"
+    write_material(file, MaterialAsset("paint", params={"rugness": 0.5}, textures={"base_map": TextureRef("a.dds")}))
+    main(["check", str(file)])
+    said = capsys.readouterr().out
+    assert "params.rugness: material 'paint': the effect 'surface' has no parameter 'rugness'" in said
+    assert "did you mean 'roughness'?" in said
+    assert "textures.base_map: material 'paint': the effect 'surface' has no texture 'base_map'" in said
+
+
+def test_texels_of_an_environment_that_are_no_light(tmp_path: Path) -> None:
+    sky = np.full((16, 32, 3), 0.5, np.float32)
+    sky[3, 4, 1], sky[5, 6, 0] = math.nan, -1.0
+    save_exr(tmp_path / "sky.exr", sky)
+    look = EnvironmentAsset("image", "sky.exr")
+    write_scene(tmp_path / "s.scene.json", SceneAsset("s", [NodeAsset("a")], environment=look))
+    for name, place in (("sky.exr", ""), ("s.scene.json", "environment.path")):
+        found = [f for f in check_file(tmp_path / name, ImportSettings()) if f.code == "number.texel"]
+        assert [f.where.path for f in found] == [place]
+        assert "2 texels of 'sky.exr'" in found[0].message
+        assert found[0].hint

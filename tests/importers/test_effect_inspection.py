@@ -37,6 +37,7 @@ def test_the_command_prints_json_and_sources(capsys: pytest.CaptureFixture[str])
     assert main(["inspect", str(SURFACE), "--json"]) == 0
     described = json.loads(capsys.readouterr().out)
     assert described["kind"] == "effect"
+    assert {"meshes", "clips", "materials", "nodes", "lights", "cameras", "findings"} <= set(described), "alike"
     assert described["variants_possible"] > 1
     assert main(["inspect", str(SURFACE), "--source"]) == 0
     out = capsys.readouterr().out

@@ -145,3 +145,17 @@ def test_roughness_makes_up_for_bumps(tmp_path: Path) -> None:
     assert greens[0] == [30] * 4
     assert greens[1][0] == 30, "mip 0 shows the bumps themselves"
     assert min(greens[1][1:]) > 150
+
+
+def test_what_the_settings_say_is_no_guess_and_no_mistake(tmp_path: Path) -> None:
+    put(tmp_path, "wood_d.png", "wood_r.png")
+    table = {"mat_wood": {"metal_rough_map": False, "rugness": 0.2, "roughness": -3.0, "metallic": 1}}
+    model = model_in(tmp_path, SETTINGS.replace(materials=table))
+    guesses = [f.message for f in model.findings if f.code == "materials.guess"]
+    assert len(guesses) == 1
+    assert guesses[0].startswith("base_color_map = ")
+    wrong = [f.message for f in model.findings if f.code == "materials.setting"]
+    assert len(wrong) == 2
+    assert "did you mean 'roughness'?" in wrong[0]
+    assert "rugness" not in model.materials[0].asset.params
+    assert model.materials[0].asset.params["metallic"] == 1

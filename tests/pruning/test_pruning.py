@@ -47,7 +47,8 @@ TOGGLES: dict[str, tuple[SceneSpec, SceneSpec, tuple[str, ...]]] = {
     "area_lights": (replace(BARE, lights=("point",)), replace(BARE, lights=("disk",)), ()),
     "light_profiles": (replace(BARE, lights=("point",)), replace(BARE, lights=("profile",)), ()),
 }  # fmt: skip
-#: facts that are not of the scene: what they must do instead is tested below
+#: facts that are not of the scene: what they must do instead is tested below; of `lighting`, its paths and G-buffer, by
+#: test_path_agreement.py and tests/stability/test_paths.py
 NOT_OF_THE_SCENE = {"hdr_output", "force_all", "lighting"}
 
 

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+import pytest
 from numpy.typing import NDArray
 
 from engine.assets.primitives import card, cube, plane, uv_sphere
@@ -27,6 +30,7 @@ def poles(stage: Stage, lights: int = 24) -> None:
     for place, color, kind in zip(places, rng.random((lights, 3)), rng.choice(["point", "spot"], lights), strict=True):
         r, g, b = color.tolist()
         stage.lamp(LightAsset(str(kind), (r, g, b), 0.5, float(rng.uniform(0.2, 2.0))), place)
+    stage.lamp(LightAsset("point", (1.0, 0.9, 0.8), 0.5, 1.5), (0.5, 0.5, 1.1))  # the ball's: metal is lit, too
 
 
 def shoot(stage: Stage, size: tuple[int, int] = SIZE, **settings: object) -> F4:
@@ -49,3 +53,25 @@ def paths_agree(stage: Stage, path: str) -> None:
     assert stage.runtime.renderer.path.path == path
     assert within_one_ulp(expected, got), f"{path} differs from forward by up to {np.abs(expected - got).max():.3g}"
     assert expected.max() > 0.1
+
+
+#: layout of the G-buffer -> a material that needs it
+NEEDING: tuple[dict[str, Any], ...] = (
+    {"metallic": 0.0}, {"metallic": 1.0}, {"metallic": 0.0, "specular_color": (1.0, 0.1, 0.1)},
+)  # fmt: skip
+
+
+def layout_is_enough(stage: Stage, layout: int) -> None:
+    """A ball of that material looks as in the widest layout, which leaves nothing out. Every path packs its surfaces,
+    so that paths agree in a layout that is too narrow, too."""
+    stage.look(kind="none", background="color")
+    stage.add(uv_sphere(0.4), surface(base_color=(0.9, 0.4, 0.2, 1), roughness=0.4, **NEEDING[layout]))
+    stage.lamp(LightAsset("point", (1.0, 0.9, 0.8), 1.0, 5.0), (0.3, 0.5, 1.0))
+    got = shoot(stage, path="deferred")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("engine.render.renderer.layout_of", lambda rows: 2)
+        stage.runtime.renderer._layout = (None, 2)
+        full = shoot(stage, path="deferred")
+    # the layouts keep the same numbers in other fields of 16 bits
+    assert np.abs(full - got).max() <= 1e-3 * full.max(), f"layout {layout} leaves out what is seen"
+    assert full.max() > 0.05

@@ -80,7 +80,7 @@ ROWS = (
     # --- formats, not a number, determinism ---
     Row("format.one-bad-pixel", "one texel of an input is not a number, infinite, negative, huge or denormal"),
     Row("format.half-store", "values beyond what a half float holds; rounding of the store"),
-    Row("format.half-sums", "small terms summed in half floats", waits="nothing sums in half floats yet"),
+    Row("format.half-sums", "ten thousand small terms: no sum sticks, as one in half floats would"),
     Row("format.half-history", "a running mean in half floats", waits="no pass keeps a history yet"),
     Row("format.no-infinities-in-data", "1/0 as a sentinel, inf - inf"),
     Row("format.integer-noise", "noise from fract(sin())"),

@@ -8,7 +8,7 @@ import pytest
 from engine.assets.primitives import card, uv_sphere
 from engine.assets.scene import LightAsset
 from engine.render.lighting import DEPTHS, PATHS, TESTS, TILE_SIZES
-from tests.stability.path_checks import paths_agree, poles, shoot, within_one_ulp
+from tests.stability.path_checks import NEEDING, layout_is_enough, paths_agree, poles, shoot, within_one_ulp
 from tests.stability.rows import covers
 from tests.support.stage import Stage, surface
 
@@ -21,6 +21,12 @@ OTHERS = [path for path in PATHS if path != "forward"]
 @pytest.mark.parametrize("path", OTHERS)
 def test_every_path_gives_the_same_picture(stage: Stage, path: str) -> None:
     paths_agree(stage, path)
+
+
+@pytest.mark.parametrize("layout", range(len(NEEDING)))
+def test_a_layout_of_the_gbuffer_is_enough(stage: Stage, layout: int) -> None:
+    """What the narrow layouts leave out is not missed; that they leave it out: tests/render/test_gbuffer.py."""
+    layout_is_enough(stage, layout)
 
 
 @covers("light.tile-edges", "light.tile-depth")
@@ -61,7 +67,7 @@ def test_lights_in_any_order_by_any_path(stage: Stage, path: str) -> None:
     assert pictures[0].max() > 0.1
 
 
-@covers("light.very-many")
+@covers("light.very-many", "format.half-sums")
 @pytest.mark.parametrize("path", OTHERS)
 def test_ten_thousand_lights_in_one_tile(stage: Stage, path: str) -> None:
     """All of them in every tile: the picture of one that is as bright, no light lost."""

@@ -155,6 +155,21 @@ def test_a_light_pass_that_thinks_it_is_not_needed(
         stage.close()
 
 
+@pytest.mark.parametrize("layout", [1, 2])
+def test_a_gbuffer_too_narrow_for_its_materials(
+    gl_device: Device, monkeypatch: pytest.MonkeyPatch, layout: int
+) -> None:
+    """Caught by test_paths.py::test_a_layout_of_the_gbuffer_is_enough and
+    tests/render/test_gbuffer.py::test_layout_is_the_narrowest."""
+    stage = Stage(gl_device)
+    try:
+        monkeypatch.setattr("engine.render.renderer.layout_of", lambda rows: layout - 1)
+        with pytest.raises(AssertionError, match="leaves out what is seen"):
+            path_checks.layout_is_enough(stage, layout)
+    finally:
+        stage.close()
+
+
 @pytest.mark.parametrize("branch", ["ENVIRONMENT", "SUNS", "LOCAL_LIGHTS"])
 def test_a_branch_compiled_out_wrongly(
     gl_device: Device, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, branch: str

@@ -12,6 +12,7 @@ from engine.animation.morph import target_reach
 from engine.animation.reach import joint_reach
 from engine.assets.mesh import MeshAsset, MorphTarget, Skeleton
 from engine.assets.primitives import cube, uv_sphere
+from engine.math import quat
 from tests.stability.rows import covers
 from tests.support.stage import Stage, front_camera, surface
 
@@ -125,3 +126,21 @@ def test_weights_and_bind_poses_that_should_not_be(stage: Stage, weight: int, bi
     table = stage.runtime.scene.instances
     row = int(np.flatnonzero(table.node == node)[0])
     assert np.isfinite(table.world_radius[row])
+
+
+@covers("pose.antipodal")
+def test_joints_on_either_side_of_a_half_turn_meet_in_the_middle(stage: Stage) -> None:
+    """Turned by 170 and 190 degrees, whose quaternions have opposite signs, and blended as dual quaternions: 180."""
+    stage.look(kind="uniform", background="color", background_color=(0.0, 0.0, 0.0))
+    mesh = skinned(cube(0.5), 0, 2, 32768)
+    mesh.streams["joints"][:, 1], mesh.streams["weights"][:, 1] = 1, 32767
+    mesh.streams["position"] = (mesh.streams["position"] + np.float32([0.0, 0.5, 0.0])).astype("<f4")
+    nodes = stage.runtime.scene.nodes
+    joints = [nodes.add("a"), nodes.add("b")]
+    nodes.set_rotation(joints, quat.from_axis_angle(np.array([1.0, 0.0, 0.0]), np.radians([170.0, 190.0])))
+    hang(stage, mesh, joints)
+    stage.runtime.scene.skins.set_method(0, "dual_quaternion")
+    covered = stage.hdr(SIZE, CAMERA)[..., :3].sum(axis=2) > 0.0
+    # upside down: below the middle of the picture, nothing above
+    assert covered[SIZE[1] // 2 + 1 :].sum() >= 16
+    assert not covered[: SIZE[1] // 2 - 1].any()

@@ -1,0 +1,112 @@
+"""Duplicated characters play along: the copy's bones and weights follow the clips, its place is its own."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from animated_scene import animated_session
+from numpy.typing import NDArray
+
+from editor.animating.editing import AnimationEditor
+from editor.commands import structure
+from editor.saving import save_document
+from editor.session import Session
+from engine.app.runtime import Runtime
+from engine.gpu import open_device
+
+BONES = ("hips", "spine", "arm", "hand", "leg")
+
+
+@pytest.fixture
+def session(tmp_path: Path) -> Session:
+    made = animated_session(tmp_path)
+    yield made
+    made.close()
+
+
+def _rows(runtime: Runtime, head: int) -> list[int]:
+    """The rows of the bones below `head`, in the order of BONES."""
+    nodes = runtime.scene.nodes
+    found = {}
+    for row in range(len(nodes.name)):
+        top = row
+        while int(nodes.parent[top]) >= 0:
+            top = int(nodes.parent[top])
+        if top == head and nodes.alive[row]:
+            found[nodes.name[row].split(" ")[0]] = row
+    return [found[bone] for bone in BONES]
+
+
+def _pose(runtime: Runtime, head: int) -> NDArray[np.float64]:
+    nodes, rows = runtime.scene.nodes, _rows(runtime, head)
+    return np.concatenate([nodes.translation[rows], nodes.rotation[rows], nodes.scale[rows]], axis=1)
+
+
+def _duplicate(session: Session) -> int:
+    document = session.document
+    structure.duplicate(document, (0,))
+    (copy,) = document.selection
+    document.edit("nodes", "translation", (copy,), ((3.0, 0.0, 0.0),))
+    return copy
+
+
+def test_a_copy_moves_as_the_original_where_it_was_put(session: Session) -> None:
+    copy = _duplicate(session)
+    runtime = session.document.runtime
+    runtime.play("run")
+    rest = _pose(runtime, 0)
+    for time in (0.1, 0.15, 0.4):
+        session.seek(time)
+        pose = _pose(runtime, 0)
+        assert not np.allclose(pose, rest, atol=1e-3), "the clip moves nothing, so the test proves nothing"
+        assert np.array_equal(_pose(runtime, copy), pose)
+        assert runtime.scene.nodes.translation[copy].tolist() == [3.0, 0.0, 0.0]
+
+
+def test_a_timeline_and_weights_reach_the_copy(session: Session) -> None:
+    copy = _duplicate(session)
+    runtime = session.document.runtime
+    runtime.play("wave")
+    session.seek(0.5)
+    morphs = runtime.scene.morphs
+    skins = [row for row in range(len(runtime.scene.nodes.name)) if runtime.scene.nodes.name[row].startswith("skin")]
+    weights = [float(morphs.weights[morphs.first[int(morphs.of_nodes(np.array([row]))[0])]]) for row in skins]
+    assert weights == [pytest.approx(0.5), pytest.approx(0.5)]
+    editor = AnimationEditor(session)
+    editor.create()
+    editor.add_block("run", 0)
+    session.seek(0.7)
+    assert np.array_equal(_pose(runtime, copy), _pose(runtime, 0))
+
+
+def test_a_saved_copy_plays_when_opened_again(session: Session, tmp_path: Path) -> None:
+    copy = _duplicate(session)
+    document = session.document
+    document.runtime.play("run")
+    session.seek(0.15)
+    expected = _pose(document.runtime, copy)
+    save_document(document, tmp_path / "saved" / "x.scene.json")
+    again = Runtime(open_device("null"))
+    again.open(tmp_path / "saved" / "x.scene.json")
+    again.play("run")
+    again.update(0.15)
+    nodes = again.scene.nodes
+    heads = [row for row in range(len(nodes.name)) if int(nodes.parent[row]) < 0]
+    assert len(heads) == 2
+    for head in heads:
+        assert _pose(again, head) == pytest.approx(expected, abs=1e-12)
+    again.close()
+
+
+def test_undo_leaves_nothing_behind(session: Session) -> None:
+    before = len(session.document.runtime.scene.nodes.name)
+    _duplicate(session)
+    session.undo()
+    session.undo()
+    runtime = session.document.runtime
+    runtime.play("run")
+    session.seek(0.15)
+    assert int(runtime.scene.nodes.alive.sum()) == before
+    assert len(runtime.deck.copies) == 0
