@@ -110,6 +110,8 @@ class Session:
     animating: AnimatingView = field(default_factory=AnimatingView)
     #: what the clock was last set up for, see animating.following
     followed: Any = None
+    #: the renderer's findings, of skins and of lights, that are in the log
+    drawing_noted: tuple[Any, Any] = (None, None)
     _settings: ParamBlock | None = None
 
     # --- opening ---
@@ -161,6 +163,7 @@ class Session:
         self.messages.info(f"Opened {document.name}: {nodes} nodes, {draws} drawn parts", where=str(document.source))
         self.playback = Playback(duration=float(document.runtime.duration))
         self.followed, self.animating = None, AnimatingView()
+        self.drawing_noted = (None, None)
         self.playback.playing = self.playback.available and not self.software
         document.runtime.update(0.0)
         if not again:

@@ -71,10 +71,12 @@ def markers(session: Session) -> tuple[Any, list[str]]:
 
 
 def report(session: Session) -> None:
-    """Write the markers passed since the last time to the log, each once."""
+    """Write the markers passed since the last time to the log, each once, and what drawing noticed, once for as long
+    as it is so."""
     document, playback = session.document, session.playback
     if document is None:
         return
+    _report_drawing(session)
     for name, time, direction in playback.passed:
         session.messages.info(f"Event {name!r} at {time:.3f} s{'' if direction > 0 else ', backwards'}")
     playback.passed.clear()
@@ -85,3 +87,17 @@ def report(session: Session) -> None:
         for number, direction in zip(deck.fired.marker.tolist(), deck.fired.direction.tolist(), strict=True):
             session.messages.info(f"Event {names[number]!r}{'' if direction > 0 else ', backwards'}")
         deck.fired = type(deck.fired)()
+
+
+def _report_drawing(session: Session) -> None:
+    renderer = getattr(runtime_of(session), "renderer", None)
+    parts = [getattr(renderer, name, None) for name in ("skin_findings", "light_findings")]
+    if all(part is before for part, before in zip(parts, session.drawing_noted, strict=True)):
+        return  # whoever looks makes a new list when the scene has changed
+    known = {finding for part in session.drawing_noted if part is not None for finding in part}
+    opened = [(f.code, f.message) for f in runtime_of(session).findings]  # in the log since then
+    new = dict.fromkeys(finding for part in parts if part is not None for finding in part)
+    session.messages.findings(
+        f for f in new if f not in known and not any(f.code == code and text in f.message for code, text in opened)
+    )
+    session.drawing_noted = (parts[0], parts[1])

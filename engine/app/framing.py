@@ -78,12 +78,11 @@ def scene_points(scene: Scene, residency: Residency) -> NDArray[np.float64]:
     """World positions f8[n,3] of what is drawn: every vertex, or the boxes' corners where those are too many."""
     table = scene.instances
     rows = np.flatnonzero(table.drawn)
-    meshes = [residency.meshes[mesh].asset for mesh in table.mesh[rows].tolist()]
-    if sum(mesh.vertex_count for mesh in meshes) > POINT_LIMIT:
-        low, high = scene_box(scene, residency)
-        return np.array(list(itertools.product(*zip(low, high, strict=True))), np.float64)
     # a mesh is looked at once per node, however many submeshes it draws there
     once = dict(zip(zip(table.node[rows].tolist(), table.mesh[rows].tolist(), strict=True), rows.tolist(), strict=True))
+    if sum(residency.meshes[mesh].asset.vertex_count for _, mesh in once) > POINT_LIMIT:
+        low, high = scene_box(scene, residency)
+        return np.array(list(itertools.product(*zip(low, high, strict=True))), np.float64)
     parts = [posed_positions(scene, residency, row) for row in once.values()]
     return np.concatenate(parts) if parts else np.zeros((0, 3))
 

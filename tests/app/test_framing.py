@@ -37,3 +37,21 @@ def test_a_point_and_nothing_give_a_usable_camera() -> None:
         camera = frame_bounds(low, high, 1.0)
         assert np.isfinite(camera.world_from_camera).all()
         assert camera.znear > 0
+
+
+def test_a_mesh_of_many_parts_counts_once(monkeypatch: pytest.MonkeyPatch, null_device) -> None:
+    """Parts share their mesh's vertices, so a figure of fifty parts is framed by its vertices, not by loose boxes."""
+    from dataclasses import replace
+
+    from engine.app import framing
+    from engine.assets.primitives import cube
+    from tests.support.stage import Stage
+
+    stage = Stage(null_device)
+    mesh = cube()
+    stage.add(replace(mesh, submeshes=[mesh.submeshes[0]] * 4))
+    runtime = stage.runtime
+    runtime.update()
+    assert len(runtime.scene.instances.node) == 4
+    monkeypatch.setattr(framing, "POINT_LIMIT", 2 * mesh.vertex_count)
+    assert len(framing.scene_points(runtime.scene, runtime.residency)) == mesh.vertex_count

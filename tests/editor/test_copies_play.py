@@ -110,3 +110,59 @@ def test_undo_leaves_nothing_behind(session: Session) -> None:
     session.seek(0.15)
     assert int(runtime.scene.nodes.alive.sum()) == before
     assert len(runtime.deck.copies) == 0
+
+
+def test_clips_still_find_their_nodes_when_those_before_them_are_gone(session: Session, tmp_path: Path) -> None:
+    """Nodes are numbered anew when a scene is saved; the clips are not."""
+    copy = _duplicate(session)
+    document = session.document
+    document.runtime.play("run")
+    session.seek(0.15)
+    expected = _pose(document.runtime, 0)
+    structure.delete(document, (0,))
+    session.seek(0.4)
+    session.seek(0.15)
+    assert np.array_equal(_pose(document.runtime, copy), expected)
+    save_document(document, tmp_path / "saved" / "x.scene.json")
+    again = Runtime(open_device("null"))
+    again.open(tmp_path / "saved" / "x.scene.json")
+    again.play("run")
+    again.update(0.15)
+    (head,) = np.flatnonzero(again.scene.nodes.parent < 0)
+    assert _pose(again, int(head)) == pytest.approx(expected, abs=1e-12)
+    again.close()
+
+
+def test_a_node_hung_on_a_bone_that_comes_later_leaves_the_clips_alone(session: Session, tmp_path: Path) -> None:
+    """A sword in a hand: it is saved after the bone, and the nodes between move up."""
+    document = session.document
+    nodes = document.runtime.scene.nodes
+    hand = nodes.name.index("hand")
+    structure.add_empty(document, np.eye(4))
+    (sword,) = document.selection
+    structure.reparent(document, (sword,), hand)
+    structure.delete(document, (nodes.name.index("leg"),))
+    document.runtime.play("wave")
+    session.seek(0.5)
+    expected = {name: nodes.world_matrix(nodes.name.index(name)) for name in ("arm", "hand", nodes.name[sword])}
+    save_document(document, tmp_path / "saved" / "x.scene.json")
+    again = Runtime(open_device("null"))
+    again.open(tmp_path / "saved" / "x.scene.json")
+    again.play("wave")
+    again.update(0.5)
+    for name, place in expected.items():
+        row = again.scene.nodes.name.index(name)
+        assert again.scene.nodes.world_matrix(row) == pytest.approx(place, abs=1e-12), name
+    again.close()
+
+
+def test_what_drawing_notices_is_logged_once(session: Session) -> None:
+    renderer = session.document.runtime.renderer
+    renderer.skin_findings.warn("skin.effect", "'body' is skinned linearly")
+    session.document.runtime.findings.error("light.profile", "no such file")
+    renderer.light_findings.error("light.profile", "a.ies: no such file")
+    for _ in range(3):
+        session.tick(0.0)
+    lines = [m.text for m in session.messages.snapshot()]
+    assert lines.count("'body' is skinned linearly") == 1
+    assert "a.ies: no such file" not in lines, "the log has had it since the scene was opened"
