@@ -19,8 +19,8 @@ if str(ROOT) not in sys.path:
     sys.path.append(str(ROOT))
 
 from engine.assets.dds import write_dds  # noqa: E402  (found through the line above)
-from engine.assets.texture import TextureAsset  # noqa: E402
-from engine.math import ltc  # noqa: E402
+from engine.assets.texture import TextureAsset  # noqa: E402  (needs the path above)
+from engine.math import ltc  # noqa: E402  (needs the path above)
 
 OUT = ROOT / "shaders" / "data" / "ltc.dds"
 SIZE = 64

@@ -99,10 +99,10 @@ def _sources(word: str, out: Path, plan: Plan) -> list[tuple[Path | None, Path]]
             raise InputError("no file matches this pattern", where=word, hint="** stands for any number of folders")
         return [(root, p) for p in found if not _below(p, out)]
     # os.path: a name that no file can have, or that may not be looked at, is no file
-    if os.path.isfile(path):  # noqa: PTH113
+    if os.path.isfile(path):  # noqa: PTH113  (as above)
         return [(None, path)]
-    if not os.path.isdir(path):  # noqa: PTH112
-        if os.path.exists(path):  # noqa: PTH110
+    if not os.path.isdir(path):  # noqa: PTH112  (as above)
+        if os.path.exists(path):  # noqa: PTH110  (as above)
             raise InputError("is not a regular file", where=path, hint="pipes and devices are not read")
         from importers.gltf.uris import similar_name_hint
 

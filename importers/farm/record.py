@@ -109,7 +109,7 @@ def judge(record: Record | None, job: Job, importer: Importer, digests: Digests,
     base = str(job.source.parent)
     for number, (name, path, before) in enumerate(record.inputs):
         # texts: this is done for every file of every run, and Path costs more than hashing
-        now = digests.file(str(job.source) if number == 0 else os.path.join(base, path))  # noqa: PTH118
+        now = digests.file(str(job.source) if number == 0 else os.path.join(base, path))  # noqa: PTH118  (speed)
         if now != before:
             what = "the source" if number == 0 else "the dependency"
             how = "is gone" if now == MISSING else "has appeared" if before == MISSING else "has other bytes"
@@ -118,7 +118,7 @@ def judge(record: Record | None, job: Job, importer: Importer, digests: Digests,
         reasons += _outputs(record, job, digests, hash_outputs)
     if reasons:
         return Verdict(reasons)
-    changed = [path for path, before in record.listed if digests.listing(os.path.join(base, path)) != before]  # noqa: PTH118
+    changed = [path for path, before in record.listed if digests.listing(os.path.join(base, path)) != before]  # noqa: PTH118  (speed)
     if changed:
         shown = ", ".join(changed[:3])
         return Verdict([f"files came to or left the folder {shown}"], uncertain=True)
@@ -165,9 +165,9 @@ def _outputs(record: Record, job: Job, digests: Digests, hash_outputs: bool) -> 
     stamps: Sequence[int | None] = record.stamps if len(record.stamps) == len(record.outputs) else [None] * 10_000
     folder = str(job.folder)
     for item, stamp in zip(record.outputs, stamps, strict=False):
-        path = os.path.join(folder, item["name"])  # noqa: PTH118
+        path = os.path.join(folder, item["name"])  # noqa: PTH118  (speed)
         try:
-            info = os.stat(path)  # noqa: PTH116
+            info = os.stat(path)  # noqa: PTH116  (speed)
         except OSError:
             reasons.append(f"the output {item['name']} is gone")
             continue

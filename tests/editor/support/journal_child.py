@@ -12,7 +12,7 @@ sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "editor" / "support")]
 
 from edited_stage import act, document, state, without_view  # noqa: E402  (the path is set above)
 
-from editor.journal import Journal  # noqa: E402
+from editor.journal import Journal  # noqa: E402  (needs the path above)
 
 
 def fingerprint(doc: object) -> str:

@@ -12,18 +12,18 @@ ROOT = Path(__file__).resolve().parents[3]
 sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "editor" / "support")]
 
 import numpy as np  # noqa: E402  (the path is set above)
-import ui_harness  # noqa: E402
-from animated_scene import NullHost  # noqa: E402
-from imgui_bundle import imgui  # noqa: E402
-from ui_harness import fresh, main  # noqa: E402
+import ui_harness  # noqa: E402  (needs the path above)
+from animated_scene import NullHost  # noqa: E402  (needs the path above)
+from imgui_bundle import imgui  # noqa: E402  (needs the path above)
+from ui_harness import fresh, main  # noqa: E402  (needs the path above)
 
-from editor.animating.editing import AnimationEditor  # noqa: E402
-from editor.app import App  # noqa: E402
-from editor.panels.animation_timeline import ROW, TimelinePanel  # noqa: E402
-from editor.panels.blend_space import BlendSpacePanel  # noqa: E402
-from editor.panels.bone_masks import mask_weights  # noqa: E402
-from editor.panels.state_graph import BOX, StateGraphPanel  # noqa: E402
-from editor.widgets import em  # noqa: E402
+from editor.animating.editing import AnimationEditor  # noqa: E402  (needs the path above)
+from editor.app import App  # noqa: E402  (needs the path above)
+from editor.panels.animation_timeline import ROW, TimelinePanel  # noqa: E402  (needs the path above)
+from editor.panels.blend_space import BlendSpacePanel  # noqa: E402  (needs the path above)
+from editor.panels.bone_masks import mask_weights  # noqa: E402  (needs the path above)
+from editor.panels.state_graph import BOX, StateGraphPanel  # noqa: E402  (needs the path above)
+from editor.widgets import em  # noqa: E402  (needs the path above)
 
 FOLDER = Path(tempfile.mkdtemp())
 

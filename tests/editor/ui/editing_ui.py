@@ -12,15 +12,15 @@ ROOT = Path(__file__).resolve().parents[3]
 sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "editor" / "support")]
 
 import numpy as np  # noqa: E402  (the path is set above)
-from imgui_bundle import imgui  # noqa: E402
-from ui_harness import fresh, main, settle  # noqa: E402
+from imgui_bundle import imgui  # noqa: E402  (needs the path above)
+from ui_harness import fresh, main, settle  # noqa: E402  (needs the path above)
 
-from editor.app import App  # noqa: E402
-from editor.camera_controls import OrbitCamera, project  # noqa: E402
-from editor.journal import pending  # noqa: E402
-from editor.panels.lights import LightsPanel  # noqa: E402
-from editor.panels.viewport import ViewportPanel  # noqa: E402
-from engine.scene.lights import LIGHT_TYPES  # noqa: E402
+from editor.app import App  # noqa: E402  (needs the path above)
+from editor.camera_controls import OrbitCamera, project  # noqa: E402  (needs the path above)
+from editor.journal import pending  # noqa: E402  (needs the path above)
+from editor.panels.lights import LightsPanel  # noqa: E402  (needs the path above)
+from editor.panels.viewport import ViewportPanel  # noqa: E402  (needs the path above)
+from engine.scene.lights import LIGHT_TYPES  # noqa: E402  (needs the path above)
 
 
 def prepare(ctx: Any, app: App, *rows: int, mode: str = "move") -> Any:

@@ -17,21 +17,21 @@ ROOT = Path(__file__).resolve().parents[3]
 sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "editor" / "support")]
 
 import numpy as np  # noqa: E402  (the path is set above)
-from imgui_bundle import hello_imgui, imgui, immapp  # noqa: E402
-from imgui_bundle.immapp import testing  # noqa: E402
-from small_scene import write_small_scene  # noqa: E402
+from imgui_bundle import hello_imgui, imgui, immapp  # noqa: E402  (needs the path above)
+from imgui_bundle.immapp import testing  # noqa: E402  (needs the path above)
+from small_scene import write_small_scene  # noqa: E402  (needs the path above)
 
-from editor import journal  # noqa: E402
-from editor.app import App  # noqa: E402
-from editor.builtin_operations import builtin_operations  # noqa: E402
-from editor.camera_controls import project  # noqa: E402
-from editor.host import EngineHost  # noqa: E402
-from editor.panels.frame_graph import FrameGraphPanel  # noqa: E402
-from editor.panels.texture_viewer import TextureViewerPanel, list_sources  # noqa: E402
-from editor.panels.viewport import ViewportPanel  # noqa: E402
-from editor.preferences import Preferences  # noqa: E402
-from editor.screenshot import save_window  # noqa: E402
-from editor.session import Session  # noqa: E402
+from editor import journal  # noqa: E402  (needs the path above)
+from editor.app import App  # noqa: E402  (needs the path above)
+from editor.builtin_operations import builtin_operations  # noqa: E402  (needs the path above)
+from editor.camera_controls import project  # noqa: E402  (needs the path above)
+from editor.host import EngineHost  # noqa: E402  (needs the path above)
+from editor.panels.frame_graph import FrameGraphPanel  # noqa: E402  (needs the path above)
+from editor.panels.texture_viewer import TextureViewerPanel, list_sources  # noqa: E402  (needs the path above)
+from editor.panels.viewport import ViewportPanel  # noqa: E402  (needs the path above)
+from editor.preferences import Preferences  # noqa: E402  (needs the path above)
+from editor.screenshot import save_window  # noqa: E402  (needs the path above)
+from editor.session import Session  # noqa: E402  (needs the path above)
 
 
 def at(app: App, row: int, x: float = 0.0, y: float = 0.0) -> Any:

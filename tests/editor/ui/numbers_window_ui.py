@@ -14,20 +14,20 @@ sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "editor" / "support")]
 
 import numpy as np  # noqa: E402  (the path is set above)
 from imgui_bundle import hello_imgui, immapp  # noqa: E402  (the path is set above)
-from imgui_bundle.immapp import testing  # noqa: E402
-from planted_nan import plant_nan  # noqa: E402
-from small_scene import write_small_scene  # noqa: E402
+from imgui_bundle.immapp import testing  # noqa: E402  (needs the path above)
+from planted_nan import plant_nan  # noqa: E402  (needs the path above)
+from small_scene import write_small_scene  # noqa: E402  (needs the path above)
 
-from editor import numbers, report  # noqa: E402
-from editor.app import App  # noqa: E402
-from editor.builtin_operations import builtin_operations  # noqa: E402
-from editor.host import EngineHost  # noqa: E402
-from editor.panels.frame_graph import FrameGraphPanel  # noqa: E402
-from editor.panels.report import ReportPanel  # noqa: E402
-from editor.panels.texture_viewer import TextureViewerPanel  # noqa: E402
-from editor.preferences import Preferences  # noqa: E402
-from editor.screenshot import save_window  # noqa: E402
-from editor.session import Session  # noqa: E402
+from editor import numbers, report  # noqa: E402  (needs the path above)
+from editor.app import App  # noqa: E402  (needs the path above)
+from editor.builtin_operations import builtin_operations  # noqa: E402  (needs the path above)
+from editor.host import EngineHost  # noqa: E402  (needs the path above)
+from editor.panels.frame_graph import FrameGraphPanel  # noqa: E402  (needs the path above)
+from editor.panels.report import ReportPanel  # noqa: E402  (needs the path above)
+from editor.panels.texture_viewer import TextureViewerPanel  # noqa: E402  (needs the path above)
+from editor.preferences import Preferences  # noqa: E402  (needs the path above)
+from editor.screenshot import save_window  # noqa: E402  (needs the path above)
+from editor.session import Session  # noqa: E402  (needs the path above)
 
 
 def steps(ctx: Any, app: App, seen: dict[str, Any], grabs: list[Any]) -> None:

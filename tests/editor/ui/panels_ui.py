@@ -10,9 +10,9 @@ ROOT = Path(__file__).resolve().parents[3]
 sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "editor" / "support")]
 
 from imgui_bundle import imgui  # noqa: E402  (the path is set above)
-from ui_harness import fresh, main, settle  # noqa: E402
+from ui_harness import fresh, main, settle  # noqa: E402  (needs the path above)
 
-from editor.app import App  # noqa: E402
+from editor.app import App  # noqa: E402  (needs the path above)
 
 
 def click_selects_node(ctx: Any, app: App) -> None:

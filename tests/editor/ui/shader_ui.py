@@ -15,17 +15,17 @@ ROOT = Path(__file__).resolve().parents[3]
 sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "editor" / "support")]
 
 import numpy as np  # noqa: E402  (the path is set above)
-from imgui_bundle import hello_imgui, imgui, immapp  # noqa: E402
-from imgui_bundle.immapp import testing  # noqa: E402
-from small_scene import write_small_scene  # noqa: E402
+from imgui_bundle import hello_imgui, imgui, immapp  # noqa: E402  (needs the path above)
+from imgui_bundle.immapp import testing  # noqa: E402  (needs the path above)
+from small_scene import write_small_scene  # noqa: E402  (needs the path above)
 
-from editor.app import App  # noqa: E402
-from editor.builtin_operations import builtin_operations  # noqa: E402
-from editor.host import EngineHost  # noqa: E402
-from editor.preferences import Preferences  # noqa: E402
-from editor.screenshot import save_window  # noqa: E402
-from editor.session import Session  # noqa: E402
-from engine.core.paths import shaders_dir  # noqa: E402
+from editor.app import App  # noqa: E402  (needs the path above)
+from editor.builtin_operations import builtin_operations  # noqa: E402  (needs the path above)
+from editor.host import EngineHost  # noqa: E402  (needs the path above)
+from editor.preferences import Preferences  # noqa: E402  (needs the path above)
+from editor.screenshot import save_window  # noqa: E402  (needs the path above)
+from editor.session import Session  # noqa: E402  (needs the path above)
+from engine.core.paths import shaders_dir  # noqa: E402  (needs the path above)
 
 FRAG, EFFECT, INCLUDE = "shaders/effects/surface.frag", "shaders/effects/surface.effect.toml", "shaders/lib/brdf.glsl"
 SHADE, LAST = "vec3 color = shade(", "vec4(sanitise(color), 1.0)"
