@@ -36,6 +36,8 @@ F8 = NDArray[np.float64]
 ALREADY_SAID = ("scene.number", "scene.rotation", "scene.matrix")
 #: Metres: a whole scene outside of these was surely made in other units.
 SMALLEST_SCENE, LARGEST_SCENE = 1e-3, 1e5
+#: Metres: beyond these a character, or a whole scene, is as likely to be in other units as to be meant so.
+USUAL_BODY, USUAL_SCENE = (0.05, 50.0), (1e-2, 1e3)
 #: Beyond this a number does not fit the GPU's float32 squared.
 LARGEST_NUMBER = 1e18
 #: Squashed by more than this, a body is flat to float32.
@@ -211,6 +213,28 @@ def _check_sizes(parts: SceneParts, scene: Scene, boxes: dict[int, tuple[F8, F8]
             "check the exporter's unit; lengths here are metres. It is drawn right, but ranges, speeds and shadows "
             "are tuned for metres",
         )  # fmt: skip
+        return
+    for index, (low, high) in boxes.items():
+        node, own = parts.scene.nodes[index], float((high - low).max())
+        if node.joints and own > 0.0 and not USUAL_BODY[0] <= own <= USUAL_BODY[1]:
+            findings.warn(
+                "number.units", f"node {node.name!r}: a skinned mesh of {own:.3g} m, a suspicious scale",
+                f"nodes[{index}]", f"check the exporter's unit{_unit_hint(own, USUAL_BODY)}",
+            )  # fmt: skip
+            return
+    if size > 0.0 and not USUAL_SCENE[0] <= size <= USUAL_SCENE[1]:
+        findings.info(
+            "number.units", f"the whole scene is {size:.3g} m across, a suspicious scale", "nodes",
+            f"check the exporter's unit, unless it is meant so{_unit_hint(size, USUAL_SCENE)}",
+        )  # fmt: skip
+
+
+def _unit_hint(size: float, usual: tuple[float, float]) -> str:
+    """What `size` would be in units smaller than metres, where one makes it usual."""
+    for name, metres in (("centimetres", 0.01), ("millimetres", 0.001), ("inches", 0.0254)):
+        if size > usual[1] and usual[0] <= size * metres <= usual[1]:
+            return f"; in {name} it would be {size * metres:.3g} m"
+    return ""
 
 
 def _check_lights(parts: SceneParts, scene: Scene, boxes: dict[int, tuple[F8, F8]], findings: Findings) -> None:

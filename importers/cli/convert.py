@@ -58,7 +58,7 @@ def run(args: argparse.Namespace) -> int:
             return 0
         settings = {}
     from importers.cli.convert_report import Report
-    from importers.farm.plan import make_plan
+    from importers.farm.plan import make_plan, unasked_images
     from importers.presets import SettingsResolver
 
     resolver = SettingsResolver(preset="" if args.save_settings else args.preset, flags=settings)
@@ -75,7 +75,7 @@ def run(args: argparse.Namespace) -> int:
         removed = _clean(args.out) if args.clean else []
     finally:
         report.close()
-    code = report.finish(outcomes, removed)
+    code = report.finish(outcomes, removed, unasked_images(plan, outcomes))
     if args.watch:
         from importers.farm.watch import watch
 

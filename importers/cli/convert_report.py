@@ -72,13 +72,15 @@ class Report:
     def close(self) -> None:
         self._line.close()
 
-    def finish(self, outcomes: Sequence[Outcome], removed: Sequence[str]) -> int:
-        """The sum of a run, or the JSON; returns the exit code."""
+    def finish(self, outcomes: Sequence[Outcome], removed: Sequence[str], unasked: Sequence[Path] = ()) -> int:
+        """The sum of a run, or the JSON; returns the exit code. `unasked`: images that no source asked for."""
         if self._json:
             print_json([outcome.to_json() for outcome in outcomes])
         else:
             for path in removed:
                 print(f"{path}: removed, its source is gone")
+            if unasked and not self._quiet:
+                print(_unasked_text(unasked, everything=self._few > FEW))
             print("\n".join(self._sum(outcomes)), flush=True)
         return exit_code(outcomes)
 
@@ -147,6 +149,14 @@ class Report:
 def exit_code(outcomes: Sequence[Outcome]) -> int:
     """3 where something could not be written or run, else 1 where a source is bad, else 0."""
     return max((max(o.exit_code, 1 if o.has_errors else 0) for o in outcomes), default=0)
+
+
+def _unasked_text(unasked: Sequence[Path], *, everything: bool) -> str:
+    shown = ", ".join(map(str, unasked if everything else unasked[:FEW]))
+    more = f" and {len(unasked) - FEW} more (--verbose lists them)" if len(unasked) > FEW and not everything else ""
+    one = len(unasked) == 1
+    return (f"{len(unasked)} image{' is' if one else 's are'} used by no model here and left out: {shown}{more}; "
+            "to convert images, name them or a folder that holds nothing else")  # fmt: skip
 
 
 def _counted(findings: Sequence[dict[str, Any]]) -> str:

@@ -12,7 +12,7 @@ from pathlib import Path
 from engine.core.errors import InputError, LucarnaError
 from importers.farm.job import Job, Outcome
 from importers.naming import safe_name
-from importers.presets import SettingsResolver
+from importers.presets import Resolved, SettingsResolver
 from importers.registry import IMAGES, source_extensions
 from importers.settings import ImportSettings
 
@@ -23,11 +23,13 @@ _MAGIC = "*?["
 
 @dataclass(slots=True)
 class Plan:
-    """`jobs` in a stable order; `refused`: outcomes of what cannot be tried; `folders`: those that were searched."""
+    """`jobs` in a stable order; `refused`: outcomes of what cannot be tried; `folders`: those that were searched;
+    `images`: those in folders with models, which are for the models to ask for."""
 
     jobs: list[Job] = field(default_factory=list)
     refused: list[Outcome] = field(default_factory=list)
     folders: list[Path] = field(default_factory=list)
+    images: list[Path] = field(default_factory=list)
 
 
 def make_plan(words: Sequence[str], out: Path, resolver: SettingsResolver) -> Plan:
@@ -51,17 +53,33 @@ def make_plan(words: Sequence[str], out: Path, resolver: SettingsResolver) -> Pl
             identity = os.path.abspath(source)  # noqa: PTH100  (links stay what they are)
             if identity in seen:
                 continue
-            seen.update(os.path.abspath(part) for part in _parts(source, resolver))  # noqa: PTH100  (as above)
-            seen.add(identity)
-            folder = out / source.parent.relative_to(root) if root is not None else out
-            name = _free_name(source, folder, taken)
+            refused: InputError | None = None
             try:
                 resolved = resolver.resolve(source)
             except InputError as error:
-                plan.refused.append(refusal(Job(source, folder, name), error, "its settings cannot be read"))
+                resolved, refused = Resolved(ImportSettings(), {}), error
+            parts = parts_of(source, resolved.settings)
+            seen.update(os.path.abspath(part) for part in parts)  # noqa: PTH100  (as above)
+            seen.add(identity)
+            folder = out / source.parent.relative_to(root) if root is not None else out
+            name = _free_name(source, stem_of(source, parts), folder, taken)
+            if refused is not None:
+                plan.refused.append(refusal(Job(source, folder, name), refused, "its settings cannot be read"))
                 continue
             plan.jobs.append(Job(source, folder, name, resolved.settings, resolved.origins))
     return plan
+
+
+def unasked_images(plan: Plan, outcomes: Iterable[Outcome]) -> list[Path]:
+    """The images beside models that no source read, once all were looked at."""
+    if not plan.images:
+        return []
+    read: set[str] = set()
+    for outcome in outcomes:
+        base = os.path.abspath(outcome.job.source.parent)  # noqa: PTH100  (texts, for speed)
+        read.add(os.path.join(base, outcome.job.source.name))  # noqa: PTH118  (as above)
+        read.update(os.path.normpath(os.path.join(base, name)) for name in outcome.inputs)  # noqa: PTH118  (as above)
+    return [path for path in plan.images if os.path.abspath(path) not in read]  # noqa: PTH100  (as above)
 
 
 def refusal(job: Job, error: LucarnaError, reason: str = "") -> Outcome:
@@ -72,16 +90,12 @@ def refusal(job: Job, error: LucarnaError, reason: str = "") -> Outcome:
     return Outcome(job, "failed", [reason] if reason else [], error=text, exit_code=error.exit_code)
 
 
-def _parts(source: Path, resolver: SettingsResolver) -> tuple[Path, ...]:
+def parts_of(source: Path, settings: ImportSettings) -> tuple[Path, ...]:
     """The images that become one texture with `source`, itself among them; none for other sources."""
     if not source.name.lower().endswith(IMAGES):
         return ()
     from importers.images.grouping import siblings_of
 
-    try:
-        settings = resolver.resolve(source).settings
-    except InputError:  # said where the job is made
-        settings = ImportSettings()
     return siblings_of(source, settings)
 
 
@@ -109,10 +123,14 @@ def _sources(word: str, out: Path, plan: Plan) -> list[tuple[Path | None, Path]]
         raise InputError("there is no such file or folder", where=path, hint=similar_name_hint(path))
     # images of a folder are parts of its models; where there is none, they are what it holds
     closed: dict[str, OSError] = {}
-    for known in (source_extensions(in_folders=True), IMAGES):
-        found = sorted(_walk(path, out, known, plan.folders, closed))
-        if found:
-            break
+    models = source_extensions(in_folders=True)
+    everything = sorted(_walk(path, out, (*models, *IMAGES), plan.folders, closed))
+    images = [p for p in everything if not p.name.lower().endswith(models)]
+    found = [p for p in everything if p.name.lower().endswith(models)]
+    if found:
+        plan.images += images
+    else:
+        found = images
     for place, error in sorted(closed.items()):
         reason = InputError(f"cannot search the folder: {error.strerror}", where=place, hint="check its rights")
         plan.refused.append(refusal(Job(Path(place), out, ""), reason))
@@ -144,11 +162,19 @@ def _below(path: Path, folder: Path) -> bool:
     return path.absolute().is_relative_to(folder.absolute())
 
 
-def _free_name(source: Path, folder: Path, taken: dict[str, Path]) -> str:
+def stem_of(source: Path, parts: tuple[Path, ...]) -> str:
+    """What the source's files are to be called: after the source, or what the images of one texture share."""
+    if len(parts) > 1:
+        from importers.images.grouping import common_name
+
+        return common_name(source, parts)
+    return source.name[: -len(source.suffix)] if source.suffix else source.name
+
+
+def _free_name(source: Path, stem: str, folder: Path, taken: dict[str, Path]) -> str:
     """The name of the source's files: its stem, with the extension where that is taken, with a number at last.
 
     A name is taken too where the one is the other's beginning up to a dot: their files would have the same names."""
-    stem = source.name[: -len(source.suffix)] if source.suffix else source.name
     base = safe_name(stem)
     extension = safe_name(source.suffix[1:].lower(), "file")
     place = os.path.abspath(folder).casefold() + os.sep  # noqa: PTH100  (only to tell folders apart)

@@ -15,6 +15,7 @@ from engine.core.errors import LucarnaError
 from engine.core.paths import user_cache_dir
 from importers.cache import Cache, Entry, Progress
 from importers.farm.job import Job
+from importers.farm.plan import parts_of, stem_of
 from importers.farm.publish import sweep
 from importers.farm.record import Record, judge, read_record, write_record
 from importers.farm.task import TASK, error_from, request_for
@@ -36,7 +37,7 @@ def works_in_process() -> bool:
 def obtain(source: Path, settings: ImportSettings, progress: Progress | None = None, force: bool = False) -> Entry:
     """The cache entry of `source`, made now if need be, in a worker. Raises InputError, FormatError, OutputError."""
     resolved = resolve(source, settings)
-    job = Job(source, source.parent, safe_name(source.stem), resolved.settings)
+    job = Job(source, source.parent, safe_name(stem_of(source, parts_of(source, resolved.settings))), resolved.settings)
     entry = None if force else remembered(job)
     for _ in range(2):  # somebody may prune the cache just now
         if entry is not None:

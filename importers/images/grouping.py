@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -59,6 +60,16 @@ def siblings_of(path: Path, settings: ImportSettings) -> tuple[Path, ...]:
         return _layers(path) if settings.image_as == "array" else ()
     except (InputError, OSError):
         return ()
+
+
+def common_name(path: Path, files: Sequence[Path]) -> str:
+    """What the texture of `files` is called after: the name they share (`sky` of sky_px, sky_nx …), else the stem of
+    `path`, or its folder's name where the files are called after their faces alone."""
+    if len(files) < 2:
+        return path.stem
+    face = face_of(path.stem)
+    shared = face[0] if face is not None else path.stem.rstrip("0123456789")
+    return shared.rstrip(" _.-") or path.absolute().parent.name or path.stem
 
 
 def role_of(path: Path, settings: ImportSettings) -> tuple[str, bool, str]:

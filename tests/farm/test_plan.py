@@ -12,7 +12,7 @@ from importers.checks.files import checkable_files
 from importers.cli.main import main
 from importers.farm.plan import Plan, make_plan
 from importers.presets import SettingsResolver
-from tests.support.gltf_builder import triangle
+from tests.support.gltf_builder import png, triangle
 
 
 def plan(*words: Path | str, out: Path = Path("out"), preset: str = "") -> Plan:
@@ -135,9 +135,30 @@ def test_images_are_sources_where_a_folder_holds_nothing_else(tmp_path: Path) ->
 def test_images_that_make_one_texture_are_one_job(tmp_path: Path) -> None:
     touch(tmp_path, *(f"sky_{face}.png" for face in ("px", "nx", "py", "ny", "pz", "nz")), "moon_px.png", "sky.png")
     touch(tmp_path, "tile_00.png", "tile_01.png")
-    assert targets(plan(tmp_path)) == ["out/moon_px", "out/sky", "out/sky_nx", "out/tile_00", "out/tile_01"]
+    assert targets(plan(tmp_path)) == ["out/moon_px", "out/sky", "out/sky_png", "out/tile_00", "out/tile_01"]
     layers = make_plan([str(tmp_path / "tile*")], Path("out"), SettingsResolver(flags={"image_as": "array"}))
-    assert targets(layers) == ["out/tile_00"]
+    assert targets(layers) == ["out/tile"]
+
+
+def test_a_cube_is_called_what_its_faces_share(tmp_path: Path) -> None:
+    faces = ("px", "nx", "py", "ny", "pz", "nz")
+    touch(tmp_path, *(f"noon_{face}.png" for face in faces), *(f"dusk/{face}.png" for face in faces))
+    assert targets(plan(tmp_path)) == ["out/dusk/dusk", "out/noon"]
+
+
+def test_images_that_no_model_asks_for_are_told_of(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    depot, arguments = tmp_path / "depot", ["--out", str(tmp_path / "out")]
+    touch(depot, "spare.png")
+    (depot / "skin.png").write_bytes(png(4, 4))
+    fox = triangle()
+    fox.material(pbrMetallicRoughness={"baseColorTexture": {"index": fox.texture({"uri": "skin.png"})}})
+    fox.root["meshes"][0]["primitives"][0]["material"] = 0
+    fox.write_gltf(depot / "fox.gltf")
+    for _ in range(2):  # a second run knows it as well
+        main(["convert", str(depot), *arguments])
+        said = capsys.readouterr().out
+        assert f"1 image is used by no model here and left out: {depot / 'spare.png'};" in said
+        assert "skin.png;" not in said
 
 
 def test_a_wrong_sidecar_is_no_old_story(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

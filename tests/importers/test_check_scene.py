@@ -130,6 +130,8 @@ def test_a_sound_scene_gives_no_finding() -> None:
         (node(0, scale=(1.0, 1e-9, 1.0)), "number.flat", "warning", "nodes[0]", "body"),
         (node(0, scale=(1e-5, 1e-5, 1e-5)), "number.units", "warning", "nodes", "m across"),
         (node(0, scale=(1e7, 1e7, 1e7)), "number.units", "warning", "nodes", "m across"),
+        (node(0, scale=(3e3, 3e3, 3e3)), "number.units", "info", "nodes", "suspicious scale"),
+        (node(0, scale=(2e-3, 2e-3, 2e-3)), "number.units", "info", "nodes", "suspicious scale"),
         (node(0, scale=(1e300, 1e300, 1e300)), "number.scale", "error", "nodes[0]", "body"),
         (node(1, translation=(0.1, 0.1, 0.0)), "number.light-inside", "warning", "nodes[1].light", "lamp"),
         (node(1, light=LightAsset("point", intensity=-1.0)), "light.range-of-value", "warning", "nodes[1].light", ""),
