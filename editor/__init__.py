@@ -7,6 +7,7 @@
     menus, keys, widgets, param_widgets, theme, layout                                  (imgui)
     overlay, markers, axis_widget, gizmo_widget      drawn over the picture             (imgui)
     light_outlines        what lights are and how far they reach, drawn over the picture   (imgui)
+    legend_overlay        what a debug view's colours mean, drawn over the picture         (imgui)
       |  read the session, call operations, propose edits
       v
     session.py            what the window works on: document, camera, settings, log    (no imgui, no GL)
@@ -15,7 +16,10 @@
       |     |-- commands/ Command, StructureCommand + History: undo, redo, one entry per gesture
       |     '-- journal.py    every edit on disk as it happens; recovering.py restores what a killed session left
       |-- tools, gizmo, selecting      move/turn/scale arithmetic, box selection, isolating, measuring
-      |-- code/           shader files as text: documents, problems, completion
+      |-- code/           shader files as text: documents, problems, search, completion
+      |-- material_editing, param_groups    materials, one or many: shared parameters, copies, resets, textures
+      |-- preview.py      a material on a shape, by engine.app.material_stage; its set-up is remembered
+      |-- asset_thumbnails.py    pictures of asset files, made by thumbnail_maker.py in a worker process
       |-- animating/     edits of an animation file, clock and log that follow it
       |-- watch.py        edited shaders and materials on disk -> the runtime, and what is wrong with them
       |-- opening.py      path -> scene file, in a worker thread, cancellable

@@ -149,6 +149,7 @@ class App:
         else:
             self._drop = file_drop.install(_glfw_window(), self._dropped)
             session.shaders.wake = waker() or session.shaders.wake
+            session.asset_pictures.wake = session.shaders.wake
         if session.device is None:
             session.device = session.host.open_device(attach=not self.null_platform)
 
@@ -169,7 +170,8 @@ class App:
         session.tick(min(float(io.delta_time), 0.25))
         keys.run_shortcuts(self.ui, flying=self.panel(ViewportPanel).flying)
         self._requests()
-        if session.playback.playing or session.job is not None or session.work is not None:
+        working = session.job is not None or session.work is not None or session.image.compiling is not None
+        if session.playback.playing or working:
             self._refresh()
 
     def _interacting(self, io: Any) -> bool:
@@ -221,6 +223,9 @@ class App:
         if requests.copy_text:
             imgui.set_clipboard_text(requests.copy_text)
             requests.copy_text = ""
+        if requests.paste is not None:
+            take, requests.paste = requests.paste, None
+            take(imgui.get_clipboard_text())
         if requests.quit:
             self.params.app_shall_exit = True
         if requests.focus_panel:
@@ -245,10 +250,12 @@ class App:
 
     def _count_frames(self) -> None:
         """Leave after `frames` frames that show what was asked for."""
-        waiting = self.ui.session.job is not None and time.monotonic() - self._start < SCREENSHOT_PATIENCE
+        session = self.ui.session
+        working = session.job is not None or session.image.compiling is not None
+        waiting = working and time.monotonic() - self._start < SCREENSHOT_PATIENCE
         self._settled = 0 if waiting else self._settled + 1
         if self._settled == self.frames - 2:
-            self.ui.session.image.invalidate()  # so that timings show a frame's cost, not that of the first one
+            session.image.invalidate()  # so that timings show a frame's cost, not that of the first one
         if self._settled >= self.frames:
             self.params.app_shall_exit = True
 
@@ -260,7 +267,9 @@ class App:
             session.journal.leave()
             session.journal = None
         session.shaders.stop()
+        session.asset_pictures.stop()
         session.close()
+        session.asset_pictures.forget(session)
         drop_context()
         session.remember()
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from editor import camera_controls, numbers, report, work
 from editor.animating.operations import add_animation_operations
 from editor.editing_operations import add_editing_operations
+from editor.material_operations import add_material_operations
 from editor.navigation import PRESETS
 from editor.operations import Operation, Operations, always
 from editor.session import Session
@@ -31,6 +32,13 @@ def _has_selection(session: Session) -> bool:
 def _measure_left_out(session: Session) -> None:
     if work.start(session, work.MeasureLeftOut()):
         session.ui.focus_panel = "Frame graph"
+
+
+def _measure_features(session: Session) -> None:
+    from editor.code.feature_work import MeasureFeatures
+
+    if work.start(session, MeasureFeatures()):
+        session.ui.focus_panel = "Variants"
 
 
 def _run_report(session: Session) -> None:
@@ -270,6 +278,11 @@ def open_material(session: Session) -> None:
             session.ui.notice = "This material has no file"
 
 
+def find_in_text(session: Session) -> None:
+    session.code.find = True
+    session.ui.focus_panel = "Shader editor"
+
+
 def _reload_shaders(session: Session) -> None:
     session.shaders.reload(session, force=True)
 
@@ -352,6 +365,8 @@ def builtin_operations() -> Operations:
 
     add("view.measure-left-out", "Measure what is left out", _measure_left_out, menu="View", enabled=doc,
         about="Time the frame with all passes forced")  # fmt: skip
+    add("view.measure-features", "Measure what features change", _measure_features, menu="View", enabled=doc,
+        about="Which features of the scene's shader variants never change a pixel")  # fmt: skip
     add("view.report", "Report: error against run time", _show_panel("Report"), menu="View",
         about="Measure what the settings of this view cost and what they buy")  # fmt: skip
     add("report.run", "Run the report on this view", _run_report, enabled=doc,
@@ -376,6 +391,10 @@ def builtin_operations() -> Operations:
     add("shader.reload", "Reload shaders", _reload_shaders, "F5", menu="Shaders", enabled=doc,
         about="Compile all of them again; edited files are noticed without it")  # fmt: skip
     add("shader.next-error", "Next error", lambda s: void(s.shaders.next_problem(s)), "F8", menu="Shaders", enabled=doc)
+    add("shader.previous-error", "Previous error", lambda s: void(s.shaders.next_problem(s, -1)), "Shift+F8",
+        menu="Shaders", enabled=doc)  # fmt: skip
+    add("shader.find", "Find and replace in the text", find_in_text, menu="Shaders", enabled=_has_code,
+        about="Ctrl+F in the text; Enter finds the next")  # fmt: skip
     add("shader.variants", "Variants", _show_panel("Variants"), menu="Shaders", separator=True)
 
     add("help.palette", "Command palette", _ask("palette"), "Ctrl+Shift+P", "F3", menu="Help")
@@ -386,6 +405,7 @@ def builtin_operations() -> Operations:
         first = preset == "industry"
         add(f"help.keymap-{preset}", f"Keymap: {preset}", run, menu="Help", checked=checked, separator=first)
     add("help.about", "About Lucarna", _ask("about"), menu="Help", separator=True)
+    add_material_operations(ops)
     add_editing_operations(ops)
     add_animation_operations(ops)
     return ops

@@ -44,11 +44,13 @@ def run(args: argparse.Namespace) -> int:
     from editor.builtin_operations import builtin_operations
     from editor.host import EngineHost
     from editor.session import Session
+    from editor.viewport_image import PATIENCE
 
     picture = args.screenshot is not None
     session = Session(EngineHost(), preferences.Preferences() if picture else preferences.load())
     session.save_preferences = not picture
     session.select_on_open = args.select
+    session.image.patience = None if picture else PATIENCE
     if not picture:
         session.recovery_folder = journal.recovery_dir()
         session.ui.recoveries = journal.pending()

@@ -11,12 +11,15 @@ from numpy.typing import NDArray
 
 from editor.commands.command import Command, Edit
 from editor.commands.history import History
+from editor.commands.lights import follow_drifts
 from editor.commands.structure import StructureCommand
 from editor.host import Resolved, Runtime, box_corners
 from editor.tables import make_command, tables_of
 
 #: parts whose real boxes are looked at one by one; above, their bounding spheres serve
 EXACT_LIMIT = 200
+#: up to so many vertices the box of a bent mesh is that of its posed vertices, above that of its joints' boxes
+EXACT_VERTICES = 5000
 
 
 class Document:
@@ -45,6 +48,8 @@ class Document:
         #: where this document was saved in this session, or None
         self.saved_to: Path | None = None
         self._bounds: dict[tuple[int, ...], tuple[NDArray[np.float64], NDArray[np.float64]]] = {}
+        # mesh -> engine.app.posed_box.joint_boxes
+        self._joint_boxes: dict[int, NDArray[np.float64]] = {}
         self._bounds_key: object = None
         self._children_cache: tuple[tuple[int, int], dict[int, list[int]]] | None = None
 
@@ -117,6 +122,10 @@ class Document:
             center, radius = scene.instances.world_center[wanted], scene.instances.world_radius[wanted, None]
             return (center - radius).min(axis=0), (center + radius).max(axis=0)
         for instance in wanted:
+            posed = self._posed_box(int(instance))
+            if posed is not None:
+                points.append(np.stack(posed))
+                continue
             low, high = self._instance_box(int(instance))
             world = scene.nodes.world_matrix(int(scene.instances.node[instance]))
             points.append(box_corners(low, high) @ world[:3, :3].T + world[:3, 3])
@@ -133,6 +142,25 @@ class Document:
         info = self.runtime.residency.meshes[int(instances.mesh[instance])]
         submesh = info.asset.submeshes[int(instances.submesh[instance])]
         return np.asarray(submesh.bounds_min, dtype=np.float64), np.asarray(submesh.bounds_max, dtype=np.float64)
+
+    def _posed_box(self, instance: int) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
+        """The world box of what a skin or morph targets bend; None for what is rigid."""
+        from engine.app.posed import posed_positions
+        from engine.app.posed_box import joint_boxes, posed_box
+
+        scene = self.runtime.scene
+        if not (len(getattr(scene, "skins", ())) or len(getattr(getattr(scene, "morphs", None), "node", ()))):
+            return None
+        mesh = int(scene.instances.mesh[instance])
+        asset = self.runtime.residency.meshes[mesh].asset
+        node = np.array([int(scene.instances.node[instance])])
+        bent = int(scene.skins.of_nodes(node)[0]) >= 0 or bool(np.any(scene.morphs.of_node(int(node[0]))))
+        if bent and asset.vertex_count <= EXACT_VERTICES:
+            points = posed_positions(scene, self.runtime.residency, instance)
+            return points.min(axis=0), points.max(axis=0)
+        if mesh not in self._joint_boxes:
+            self._joint_boxes[mesh] = joint_boxes(asset)
+        return posed_box(scene, asset, self._joint_boxes[mesh], instance)
 
     def _children(self) -> dict[int, list[int]]:
         scene = self.runtime.scene
@@ -152,14 +180,17 @@ class Document:
     def _write(self, edit: Edit) -> None:
         if isinstance(edit, StructureCommand):
             edit.apply(self)
+            follow_drifts(self)
             return
         assert isinstance(edit, Command)
         self.tables[edit.table].write(edit.column, edit.rows, edit.after)
         if edit.of_view:
             return
+        columns = edit.column.split(",")
         for row, value in zip(edit.rows, edit.after, strict=True):
-            key = (edit.table, edit.column, row)
-            self.overrides.pop(key, None)  # the latest comes last: "local" and its parts overlap
-            self.overrides[key] = value
+            for column, part in zip(columns, value if len(columns) > 1 else (value,), strict=True):
+                key = (edit.table, column, row)
+                self.overrides.pop(key, None)  # the latest comes last: "local" and its parts overlap
+                self.overrides[key] = part
         if edit.table == "nodes":
             self.runtime.scene.update()

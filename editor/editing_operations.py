@@ -53,7 +53,9 @@ def add_editing_operations(ops: Operations) -> None:
     for kind in LIGHTS:
         add(f"add.{kind}-light", f"{kind.capitalize()} light", _add_light(kind), menu="Add", separator=kind == "point")
     add("add.scatter-lights", "Scatter lights…", _show("Lights"), menu="Add",
-        about="Many lights over the selection, and arrays of what is selected")  # fmt: skip
+        about="Many lights over the selection, the scene or a box, still or drifting")  # fmt: skip
+    add("add.array", "Array of the selection…", _show("Lights"), menu="Add", enabled=sel,
+        about="Repeat what is selected in a line, a grid or a ring")  # fmt: skip
     add("add.camera", "Camera from view", add_camera, menu="Add", separator=True, about="Sees what the viewport shows")
 
     for mode, label, key in (

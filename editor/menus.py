@@ -100,6 +100,9 @@ def draw_status_bar(ui: Ui) -> None:
         imgui.same_line(0, em(0.9))
     if session.job is not None:
         text(session.job.text, theme.ACCENT)
+    elif session.image.compiling is not None:
+        done, total = session.image.compiling
+        text(f"Compiling shaders: {done} of {total}", theme.ACCENT)
     elif session.document is not None:
         what = [f"{gesture}: {action.lower()}" for gesture, action in hints(session.preferences.keymap)[:3]]
         text("     ".join(what), theme.FAINT)

@@ -6,6 +6,7 @@ Colours are scene-linear Rec.709 in the engine and shown as sRGB, so that the sw
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 from imgui_bundle import imgui
@@ -13,6 +14,9 @@ from imgui_bundle import imgui
 from editor import icons, theme
 from editor.widgets import em, icon_button, pretty, property_row
 from engine.core.param import Param
+
+#: stands for values that differ
+MIXED = "—"
 
 
 def srgb_from_linear(c: float) -> float:
@@ -27,53 +31,72 @@ def linear_from_srgb(c: float) -> float:
     return c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4
 
 
-def param_row(param: Param, value: Any, *, id: str = "", label: str = "", degrees: bool = False) -> tuple[bool, Any]:
+def param_row(
+    param: Param, value: Any, *, id: str = "", label: str = "", degrees: bool = False, mixed: bool = False,
+    changed: bool | None = None, menu: Callable[[], None] | None = None, more: str = "",
+) -> tuple[bool, Any]:  # fmt: skip
     """A row of a property grid for `param`: (changed, new value). A value that is not the default can be reset.
 
-    `degrees`: the value is in radians and shown in degrees."""
-    is_default = _same(value, param.default)
+    `degrees`: the value is in radians and shown in degrees. `mixed`: `value` is that of one of several, whose values
+    differ: a dash is shown. `changed`: whether one of them is not the default. `menu`: of a right click.
+    `more`: a line of the tooltip."""
+    can_reset = not _same(value, param.default) if changed is None else changed
     unit = f" [{'°' if degrees else param.unit}]" if param.unit or degrees else ""
-    limits = _limits(param)
-    doc = f"{param.doc or pretty(param.name)}{unit}{limits}"
-    property_row(label or pretty(param.name), doc, changed=not is_default)
+    told = [
+        f"{param.doc or pretty(param.name)}{unit}{_limits(param)}",
+        more,
+        "The selected ones differ" if mixed else "",
+    ]
+    doc = "\n".join(line for line in told if line)
     imgui.push_id(f"{id}{param.name}")
+    property_row(label or pretty(param.name), doc, changed=can_reset, menu=menu)
     reset = False
-    if not is_default:
+    if can_reset:
         imgui.set_next_item_width(-em(2.0))
-    changed, new = edit_value(param, value, degrees=degrees)
-    if not is_default:
+    edited, new = edit_value(param, value, degrees=degrees, mixed=mixed)
+    if can_reset:
         imgui.same_line(0, em(0.2))
         reset = icon_button(f"{icons.RESET}###reset", f"Back to {format_value(param.default)}")
     imgui.pop_id()
-    return (True, param.default) if reset else (changed, new)
+    return (True, param.default) if reset else (edited, new)
 
 
-def edit_value(param: Param, value: Any, *, degrees: bool = False) -> tuple[bool, Any]:
-    """The bare widget for `param`, named `##value`."""
+def edit_value(param: Param, value: Any, *, degrees: bool = False, mixed: bool = False) -> tuple[bool, Any]:
+    """The bare widget for `param`, named `##value`; `mixed` shows a dash in the value's stead."""
     kind = param.type
     if kind == "bool":
+        imgui.push_item_flag(imgui.ItemFlags_.mixed_value, mixed)
         changed, new = imgui.checkbox("##value", bool(value))
+        imgui.pop_item_flag()
         return bool(changed), bool(new)
     if kind == "enum":
-        index = param.choices.index(value) if value in param.choices else 0
-        changed, index = imgui.combo("##value", index, [pretty(c) for c in param.choices])
-        return bool(changed), param.choices[index]
+        return _edit_choice(param, value, mixed)
     if kind in {"int", "uint"}:
-        return _edit_int(param, int(value))
+        return _edit_int(param, int(value), mixed)
     if kind in {"color3", "color4"}:
-        return _edit_color(param, tuple(value))
+        return _edit_color(param, tuple(value), mixed)
     if kind == "float":
-        return _edit_float(param, float(value), degrees)
-    return _edit_vector(param, value)
+        return _edit_float(param, float(value), degrees, mixed)
+    return _edit_vector(param, value, mixed)
 
 
-def _edit_float(param: Param, value: float, degrees: bool) -> tuple[bool, float]:
+def _edit_choice(param: Param, value: Any, mixed: bool) -> tuple[bool, Any]:
+    chosen = None
+    if imgui.begin_combo("##value", MIXED if mixed else pretty(str(value))):
+        for choice in param.choices:
+            if imgui.selectable(pretty(choice), not mixed and choice == value)[0]:
+                chosen = choice
+        imgui.end_combo()
+    return chosen is not None, value if chosen is None else chosen
+
+
+def _edit_float(param: Param, value: float, degrees: bool, mixed: bool) -> tuple[bool, float]:
     factor = 180.0 / math.pi if degrees else 1.0
     low, high = param.min * factor, param.max * factor
     unit = "°" if degrees else f" {param.unit}" if param.unit and param.unit.isascii() else ""
-    format = f"%.{1 if degrees else 3}f{unit}"
+    format = MIXED if mixed else f"%.{1 if degrees else 3}f{unit}"
     if math.isfinite(low) and math.isfinite(high):
-        changed, new = filled_slider("##value", value * factor, low, high, format)
+        changed, new = filled_slider("##value", value * factor, low, high, format, empty=mixed)
     else:
         speed = param.step or max(abs(value * factor) * 0.005, 0.002)
         bounded = math.isfinite(low) or math.isfinite(high)
@@ -85,9 +108,11 @@ def _edit_float(param: Param, value: float, degrees: bool) -> tuple[bool, float]
     return bool(changed), min(max(float(new) / factor, param.min), param.max)
 
 
-def filled_slider(label: str, value: float, low: float, high: float, format: str) -> tuple[bool, float]:
+def filled_slider(
+    label: str, value: float, low: float, high: float, format: str, *, empty: bool = False
+) -> tuple[bool, float]:
     """A slider drawn as a bar that fills from the left, or from zero where the range holds it: its number stays
-    readable at any value. Takes the next item width."""
+    readable at any value. Takes the next item width. `empty`: without the bar."""
     width, height = imgui.calc_item_width(), imgui.get_frame_height()
     start = imgui.get_cursor_screen_pos()
     lines = imgui.get_window_draw_list()
@@ -99,7 +124,7 @@ def filled_slider(label: str, value: float, low: float, high: float, format: str
     origin, at = (min(max((v - low) / span, 0.0), 1.0) for v in (0.0 if low < 0.0 < high else low, value))
     left, right = start.x + min(origin, at) * width, start.x + max(origin, at) * width
     fill = theme.FILL_ACTIVE if hovered else theme.FILL
-    if right - left > 1.0:
+    if right - left > 1.0 and not empty:
         lines.add_rect_filled((left, start.y), (right, start.y + height), theme.u32(fill), rounding)
     if low < 0.0 < high:  # where zero is: short ticks, clear of the number
         x, tick = start.x + origin * width, height * 0.16
@@ -114,21 +139,26 @@ def filled_slider(label: str, value: float, low: float, high: float, format: str
     return bool(changed), float(new)
 
 
-def _edit_int(param: Param, value: int) -> tuple[bool, int]:
+def _edit_int(param: Param, value: int, mixed: bool) -> tuple[bool, int]:
+    unit = f" {param.unit}" if param.unit and param.unit.isascii() else ""
+    format = MIXED if mixed else f"%d{unit}"
     if math.isfinite(param.min) and math.isfinite(param.max):
-        changed, new = imgui.slider_int("##value", value, int(param.min), int(param.max))
+        changed, new = imgui.slider_int("##value", value, int(param.min), int(param.max), format)
     else:
-        changed, new = imgui.drag_int("##value", value)
+        changed, new = imgui.drag_int("##value", value, 1.0, 0, 0, format)
     return bool(changed), int(min(max(new, param.min), param.max))
 
 
-def _edit_vector(param: Param, value: Any) -> tuple[bool, tuple[float, ...]]:
+def _edit_vector(param: Param, value: Any, mixed: bool) -> tuple[bool, tuple[float, ...]]:
     widget = {2: imgui.drag_float2, 3: imgui.drag_float3, 4: imgui.drag_float4}[len(value)]
-    changed, new = widget("##value", [float(v) for v in value], param.step or 0.01)
+    format = MIXED if mixed else "%.3f"
+    changed, new = widget("##value", [float(v) for v in value], param.step or 0.01, 0.0, 0.0, format)
     return bool(changed), tuple(min(max(float(v), param.min), param.max) for v in new)
 
 
-def _edit_color(param: Param, value: tuple[float, ...]) -> tuple[bool, tuple[float, ...]]:
+def _edit_color(param: Param, value: tuple[float, ...], mixed: bool) -> tuple[bool, tuple[float, ...]]:
+    if mixed:
+        return _edit_mixed_color(param, value)
     shown = [srgb_from_linear(c) for c in value[:3]] + list(value[3:])
     hdr = param.max > 1.0
     flags = imgui.ColorEditFlags_.float | imgui.ColorEditFlags_.hdr if hdr else imgui.ColorEditFlags_.uint8
@@ -143,6 +173,18 @@ def _edit_color(param: Param, value: tuple[float, ...]) -> tuple[bool, tuple[flo
     channels = [float(c) for c in new][: len(value)]
     linear = [linear_from_srgb(c) for c in channels[:3]] + channels[3:]
     return True, tuple(min(max(c, param.min), param.max) for c in linear)
+
+
+def _edit_mixed_color(param: Param, value: tuple[float, ...]) -> tuple[bool, tuple[float, ...]]:
+    """A dash; a click opens a picker that begins with the first of the colours."""
+    if imgui.button(f"{MIXED}##value", (imgui.calc_item_width(), 0)):
+        imgui.open_popup("pick")
+    changed, new = False, value
+    if imgui.begin_popup("pick"):
+        imgui.set_next_item_width(em(14))
+        changed, new = _edit_color(param, value, False)
+        imgui.end_popup()
+    return changed, new
 
 
 def format_value(value: Any) -> str:

@@ -33,6 +33,12 @@ class Preferences:
     #: render at half resolution while something moves and full resolution is slow
     adaptive_resolution: bool = True
     fly_speed: float = 1.0
+    #: the assets panel: tree, list or grid; how large its pictures are, imgui units; which sorts show ("" = all)
+    assets_view: str = "tree"
+    assets_size: float = 88.0
+    assets_sort: str = ""
+    #: how the material preview is set up (see editor.preview.PreviewSetup)
+    preview: dict[str, Any] = field(default_factory=dict)
 
     def add_recent(self, path: Path) -> None:
         text = str(path.resolve())
@@ -66,6 +72,8 @@ def load(path: Path | None = None) -> Preferences:
     preferences.recent = [p for p in preferences.recent if isinstance(p, str)][:RECENT_LIMIT]
     if not 0.5 <= preferences.ui_scale <= 3.0:
         preferences.ui_scale = 1.0
+    if not 24.0 <= preferences.assets_size <= 192.0:
+        preferences.assets_size = 88.0
     if not 0.001 <= preferences.fly_speed <= 1000.0:
         preferences.fly_speed = 1.0
     return preferences

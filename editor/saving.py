@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import copy
 import filecmp
+import os
 import shutil
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
@@ -16,8 +17,13 @@ from typing import Any
 
 import numpy as np
 
+from editor.commands.lights import DRIFTS
 from editor.document import Document
+from editor.material_editing import parent_values
 from editor.opening import scene_stem
+from editor.tables import FEATURES, QUEUE, TEXTURE, texture_from_plain
+from engine.assets.clip import ClipAsset
+from engine.assets.material import TextureRef
 from engine.assets.scene import NodeAsset, SceneAsset
 from engine.core.atomic import atomic_path, write_text
 from engine.core.errors import OutputError
@@ -50,6 +56,7 @@ def save_document(document: Document, target: Path) -> list[Path]:
 
     Raises OutputError when something cannot be written. The scene file is written last, so a failure never leaves a
     scene that names missing files."""
+    from engine.assets.lanim import write_lanim
     from engine.assets.material_toml import update_material
     from engine.assets.scene_json import write_scene
 
@@ -63,6 +70,11 @@ def save_document(document: Document, target: Path) -> list[Path]:
         for reference in sorted(set(_references(asset, source_dir))):
             if _copy(source_dir / reference, target_dir / reference):
                 written.append(target_dir / reference)
+    drifts = drifting(document, asset, target)
+    if drifts is not None:
+        name, clip = drifts
+        write_lanim(target_dir / name, clip)
+        written.append(target_dir / name)
     animation = document.overrides.get(("animation", "text", 0))
     if animation is not None:
         asset.animation = _animation_name(asset.animation, target) if animation else ""
@@ -73,6 +85,14 @@ def save_document(document: Document, target: Path) -> list[Path]:
     for path, changes in edited.items():
         inside = path.is_relative_to(source_dir)
         out = target_dir / path.relative_to(source_dir) if inside else path
+        for key, value in changes.items():
+            if key.endswith(".path") and Path(value).is_absolute():
+                found = Path(value)
+                if source_dir != target_dir and found.is_relative_to(source_dir):  # it goes along with the scene
+                    if _copy(found, target_dir / found.relative_to(source_dir)):
+                        written.append(target_dir / found.relative_to(source_dir))
+                    found = target_dir / found.relative_to(source_dir)
+                changes[key] = _beside(str(found), out.parent)
         update_material(out, changes)
         written.append(out)
     write_scene(target, asset)
@@ -145,6 +165,24 @@ def _carry_profiles(asset: SceneAsset, folder: Path) -> list[Path]:
     return written
 
 
+def drifting(document: Document, asset: SceneAsset, target: Path) -> tuple[str, ClipAsset] | None:
+    """What of `asset`'s lights drifts since it was opened, as one clip and its file's name, named in `asset`."""
+    from engine.scene.convert import parents_first
+    from engine.scene.drift import add_clips, free_name
+
+    beside = getattr(document.runtime, "beside", {})
+    clips = [clip for key, (clip, _player) in beside.items() if key[0] == DRIFTS]
+    if not clips:
+        return None
+    index_of = {row: index for index, row in enumerate(parents_first(document.runtime.scene))}
+    for channel in (channel for clip in clips for channel in clip.channels if channel.node in index_of):
+        node = asset.nodes[index_of[channel.node]]
+        x, y, z = channel.values[0].tolist()
+        node.translation = (x, y, z)  # wherever time stands now
+    name = free_name(asset, scene_stem(target))
+    return name, add_clips(asset, name, clips, index_of)
+
+
 def _animation_name(present: str, target: Path) -> str:
     """Where the animation is written, relative to the scene: where it was, if that is beside it."""
     return present if present and _inside(present) else f"{scene_stem(target)}.animation.toml"
@@ -168,14 +206,46 @@ def _apply_to_node(node: NodeAsset, column: str, value: Any) -> None:
 
 
 def edited_materials(residency: Any, overrides: Mapping[tuple[str, str, int], Any]) -> dict[Path, dict[str, Any]]:
-    """Material file -> {`params.NAME`: value} for all that the user changed in materials that have a file."""
+    """Material file -> {dotted key: value} for all that the user changed in materials that have a file."""
     found: dict[Path, dict[str, Any]] = {}
     for (table, column, row), value in overrides.items():
         if table == "materials":
             path = residency.material(row).path
             if path:
-                found.setdefault(Path(path).resolve(), {})[f"params.{column}"] = value
+                changes = found.setdefault(Path(path).resolve(), {})
+                if column.startswith(TEXTURE):
+                    inherits = bool(getattr(residency.material(row).asset, "parent", ""))
+                    changes.update(_texture_changes(column.removeprefix(TEXTURE), value, inherits))
+                else:
+                    as_parent = parent_values(residency, row).get(column) == value  # then the file need not say it
+                    key = {FEATURES: "features", QUEUE: "queue"}.get(column, f"params.{column}")
+                    changes[key] = None if as_parent else value
     return found
+
+
+def _texture_changes(slot: str, value: tuple[Any, ...] | None, inherits: bool) -> dict[str, Any]:
+    """The keys of a slot in a material file; None takes a key away, false an inherited texture."""
+    if value is None:
+        return {f"textures.{slot}": False if inherits else None}
+    ref, usual = texture_from_plain(value), TextureRef(value[0])
+    said = {"path", *ref.stated}
+    return {
+        f"textures.{slot}.{name}": getattr(ref, name)
+        if name in said or getattr(ref, name) != getattr(usual, name)
+        else None
+        for name in TextureRef.__slots__
+        if name != "stated"
+    }
+
+
+def _beside(path: str, folder: Path) -> str:
+    """A texture's path as a material file in `folder` names it."""
+    if not Path(path).is_absolute():
+        return path
+    try:
+        return Path(os.path.relpath(path, folder)).as_posix()
+    except ValueError:  # on another drive of Windows
+        return Path(path).as_posix()
 
 
 def _references(asset: SceneAsset, folder: Path) -> Iterable[str]:
@@ -194,7 +264,12 @@ def _references(asset: SceneAsset, folder: Path) -> Iterable[str]:
         yield reference
         if reference.endswith(".material.toml") and (folder / reference).is_file():
             base = PurePosixPath(reference).parent
-            for texture in read_material(folder / reference).textures.values():
+            material = read_material(folder / reference)
+            for parent in material.files[1:]:
+                joined = Path(os.path.relpath(parent, folder)).as_posix()
+                if _inside(joined):
+                    yield joined
+            for texture in material.textures.values():
                 joined = str(base / texture.path)
                 if texture.path and _inside(joined):
                     yield joined

@@ -25,7 +25,11 @@ def save_viewport(session: Session) -> Path | None:
     """Write what the viewport shows to a new PNG, with how it was seen in its metadata; None when it failed."""
     from engine.report.image import save_png
 
-    pixels = session.image.pixels()
+    pixels, frame = session.image.pixels(), session.image.frame
+    if pixels is not None and getattr(frame, "legend", None) is not None:
+        from engine.app.headless import with_legend
+
+        pixels = with_legend(np.asarray(pixels, np.uint8), frame)
     document = session.document
     if pixels is None or document is None:
         return None

@@ -9,7 +9,7 @@ from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from editor import camera_controls, preferences, recovering, saving, work
 from editor.animating import following
 from editor.animating.view import AnimatingView
+from editor.asset_thumbnails import AssetThumbnails
 from editor.camera_controls import OrbitCamera
 from editor.code.files import CodeFiles
 from editor.commands.command import VIEW_TABLE
@@ -27,6 +28,7 @@ from editor.messages import Messages
 from editor.opening import OpenJob
 from editor.playback import Playback
 from editor.preferences import Preferences
+from editor.preview import Preview
 from editor.selecting import nodes_in_box
 from editor.tables import SettingsTable
 from editor.thumbnails import Thumbnails
@@ -37,6 +39,19 @@ from editor.work import ForcedCost, Work
 from engine.core.errors import LucarnaError
 from engine.core.param import ParamBlock
 
+if TYPE_CHECKING:
+    from engine.app.feature_pixels import FeatureEffect
+
+
+@dataclass(frozen=True, slots=True)
+class ChooseFile:
+    """A file to choose: `endings` in small letters, `start` a folder or the file chosen before, `take` gets the path."""
+
+    title: str
+    endings: tuple[str, ...]
+    start: Path
+    take: Callable[[Path], None]
+
 
 @dataclass(slots=True)
 class UiRequests:
@@ -45,6 +60,7 @@ class UiRequests:
     palette: bool = False
     open_dialog: bool = False
     save_dialog: bool = False
+    choose: ChooseFile | None = None
     welcome: bool = False
     help: bool = False
     about: bool = False
@@ -65,6 +81,10 @@ class UiRequests:
     #: rows under the pointer to choose from
     pick_list: tuple[int, ...] = ()
     copy_text: str = ""
+    #: takes the clipboard's text
+    paste: Callable[[str], None] | None = None
+    #: the file that is being dragged out of the assets panel
+    dragged: Path | None = None
     #: a texel to show in the texture viewer (numbers.PixelRequest), or None
     show_pixel: Any = None
 
@@ -83,6 +103,8 @@ class Session:
     playback: Playback = field(default_factory=Playback)
     image: ViewportImage = field(default_factory=ViewportImage)
     thumbnails: Thumbnails = field(default_factory=Thumbnails)
+    preview: Preview = field(default_factory=Preview)
+    asset_pictures: AssetThumbnails = field(default_factory=AssetThumbnails)
     ui: UiRequests = field(default_factory=UiRequests)
     code: CodeFiles = field(default_factory=CodeFiles)
     shaders: ShaderWatch = field(default_factory=ShaderWatch)
@@ -102,6 +124,8 @@ class Session:
     #: something long that is done in steps, and what the last frame would cost with nothing left out
     work: Work | None = None
     forced_cost: ForcedCost | None = None
+    #: what features of the scene's variants change, where it was measured
+    feature_effects: list[FeatureEffect] | None = None
     #: results of experiments (engine.report.records.Result) by name, of this document
     reports: dict[str, Any] = field(default_factory=dict)
     #: the render settings that each was measured with
@@ -127,6 +151,7 @@ class Session:
         """Once a frame: take over what a finished job found, and files that were edited. The present document stays
         until the next one is good."""
         self.shaders.poll(self)
+        self.asset_pictures.pump(self)
         work.step(self)
         job = self.job
         if job is None or not job.done:
@@ -182,12 +207,13 @@ class Session:
                 self.journal = None
             if self.work is not None:
                 self.work.close()
-            self.work = self.forced_cost = None
+            self.work = self.forced_cost = self.feature_effects = None
             self.reports.clear()
             self.tools.forget()
             self.image.forget()
             with self.device_frame():
                 self.thumbnails.forget()
+                self.preview.forget()
                 self.document.close()
             self.document = None
             self.playback = Playback()

@@ -15,11 +15,14 @@ from editor.session import Session
 from editor.widgets import em
 from engine.animation import poses
 from engine.core.errors import LucarnaError
+from engine.math.color import linear_to_srgb
 from engine.math.transform import compose
 
 F8 = NDArray[np.float64]
 GHOST_BEFORE, GHOST_AFTER = (0.38, 0.62, 0.95), (0.95, 0.55, 0.35)
 AXES = ((0.93, 0.30, 0.30, 1.0), (0.45, 0.80, 0.30, 1.0), (0.30, 0.50, 0.95, 1.0))
+#: scene-linear, by the number of bones that move a vertex
+INFLUENCES = ((0.10, 0.25, 0.80), (0.10, 0.60, 0.20), (0.80, 0.65, 0.10), (0.80, 0.15, 0.08), (0.60, 0.10, 0.70))
 #: above so many bones names are left out, but for those near the pointer
 MANY_NAMES = 80
 
@@ -48,6 +51,8 @@ def draw(session: Session, origin: tuple[float, float], width: float, height: fl
         _ghosts(session, origin, width, height)
     if view.root_path:
         _root_path(session, origin, width, height)
+    if str(getattr(session.settings, "view", "")) == "influences" and len(scene.skins):
+        _influence_legend(origin, height)
     if not view.skeleton or not len(scene.skins):
         return -1
     joints, parent = bones(scene)
@@ -58,27 +63,73 @@ def draw(session: Session, origin: tuple[float, float], width: float, height: fl
     lines = imgui.get_window_draw_list()
     weights = _mask_of(session, joints)
     selected = set(document.selection)
+    own = _weight_colors(scene, joints) if str(getattr(session.settings, "view", "")) == "weights" else None
+    colors = [(0.85, 0.9, 1.0, 0.9)] * len(joints) if own is None else [(*c, 1.0) for c in own.tolist()]
+    if weights is not None:
+        colors = [(0.35 + 0.6 * w, 0.45 + 0.2 * w, 0.75 - 0.5 * w, 1.0) for w in weights.tolist()]
+    colors = [theme.ACCENT if int(j) in selected else c for j, c in zip(joints, colors, strict=True)]
     for i in range(len(joints)):
         up = int(parent[i])
-        color = theme.ACCENT if int(joints[i]) in selected else (0.85, 0.9, 1.0, 0.9)
-        if weights is not None:
-            color = (0.35 + 0.6 * weights[i], 0.45 + 0.2 * weights[i], 0.75 - 0.5 * weights[i], 1.0)
-        if up >= 0 and seen[i] and seen[up]:
-            _bone(lines, pixels[up], pixels[i], color)
-        if seen[i]:
-            lines.add_circle_filled(tuple(pixels[i].tolist()), 3.0, theme.u32(color))
+        if up >= 0 and seen[i] and seen[up]:  # what lies between two joints follows the upper one
+            _bone(lines, pixels[up], pixels[i], colors[up])
+    for i in np.flatnonzero(seen).tolist():
+        lines.add_circle_filled(
+            tuple(pixels[i].tolist()), 4.0 if int(joints[i]) in selected else 3.0, theme.u32(colors[i])
+        )
     mouse = imgui.get_io().mouse_pos
     distance = np.where(seen, np.hypot(pixels[:, 0] - mouse.x, pixels[:, 1] - mouse.y), np.inf)
     near = int(np.argmin(distance)) if len(distance) else -1
     under = int(joints[near]) if hoverable and near >= 0 and distance[near] < em(0.7) else -1
     if view.axes:
         _axes(session.camera, scene.nodes.world[joints], pixels, seen, origin, width, height)
-    for i in range(len(joints)):
-        if seen[i] and ((view.names and len(joints) <= MANY_NAMES) or int(joints[i]) == under):
-            at = (float(pixels[i, 0]) + em(0.5), float(pixels[i, 1]) - em(0.6))
-            lines.add_text((at[0] + 1, at[1] + 1), theme.u32((0, 0, 0, 0.8)), str(scene.nodes.name[joints[i]]))
-            lines.add_text(at, theme.u32(theme.TEXT), str(scene.nodes.name[joints[i]]))
+    _names(scene, joints, pixels, seen, selected, under, every=view.names and len(joints) <= MANY_NAMES)
     return under
+
+
+def _names(scene: Any, joints: Any, pixels: F8, seen: Any, selected: Any, under: int, *, every: bool) -> None:
+    """Names beside the joints; of those that would lie on one another, one: the pointed at, then selected, then upper
+    ones in the tree first."""
+    lines = imgui.get_window_draw_list()
+    taken: list[tuple[float, float, float, float]] = []
+    order = sorted(range(len(joints)), key=lambda i: (joints[i] != under, int(joints[i]) not in selected, i))
+    for i in order:
+        if not seen[i] or not (every or int(joints[i]) in selected or int(joints[i]) == under):
+            continue
+        name = str(scene.nodes.name[joints[i]])
+        at = (float(pixels[i, 0]) + em(0.5), float(pixels[i, 1]) - em(0.6))
+        size = imgui.calc_text_size(name)
+        box = (at[0], at[1], at[0] + size.x, at[1] + size.y)
+        if any(box[0] < b[2] and b[0] < box[2] and box[1] < b[3] and b[1] < box[3] for b in taken):
+            continue
+        taken.append(box)
+        lines.add_text((at[0] + 1, at[1] + 1), theme.u32((0, 0, 0, 0.8)), name)
+        lines.add_text(at, theme.u32(theme.TEXT), name)
+
+
+def _influence_legend(origin: tuple[float, float], height: float) -> None:
+    """What the colours of the view of influences mean; the same as in shaders/lib/skin_views.glsl."""
+    lines, x, y = imgui.get_window_draw_list(), origin[0] + em(0.6), origin[1] + height - em(4.4)
+    words = ("1", "2", "3", "4", "5 or more bones")
+    width = em(7.0) + sum(imgui.calc_text_size(w).x for w in words) + em(1.4)
+    lines.add_rect_filled((x, y), (x + width, y + em(1.6)), theme.u32((0, 0, 0, 0.55)), 4.0)
+    x += em(0.5)
+    for word, color in zip(words, linear_to_srgb(np.array(INFLUENCES)).tolist(), strict=True):
+        lines.add_rect_filled((x, y + em(0.45)), (x + em(0.7), y + em(1.15)), theme.u32((*color, 1.0)), 2.0)
+        lines.add_text((x + em(0.9), y + em(0.25)), theme.u32(theme.TEXT), word)
+        x += em(1.4) + imgui.calc_text_size(word).x
+
+
+def _weight_colors(scene: Any, joints: Any) -> F8:
+    """f8[joints,3], display-encoded: the colours that the view of weights gives them (shaders/lib/skin_views.glsl)."""
+    number = np.zeros(len(joints), np.int64)
+    place = {int(row): i for i, row in enumerate(joints.tolist())}
+    for first, count in zip(scene.skins.first.tolist(), scene.skins.count.tolist(), strict=True):
+        for k, row in enumerate(scene.skins.joint[first : first + count].tolist()):
+            number[place[row]] = k
+    hue = np.mod(number * 0.6180339887, 1.0)[:, None] + np.array([0.0, 2.0, 1.0]) / 3.0
+    rgb = np.clip(np.abs(np.mod(hue, 1.0) * 6.0 - 3.0) - 1.0, 0.0, 1.0)
+    linear = (0.5 + (rgb - 0.5) * 0.85) * (0.55 + 0.2 * (number % 3))[:, None]
+    return np.asarray(linear_to_srgb(np.clip(linear, 0.0, 1.0)), np.float64)
 
 
 def _bone(lines: Any, a: F8, b: F8, color: Any) -> None:
@@ -132,7 +183,7 @@ def pick(session: Session, bone: int) -> bool:
     editor = AnimationEditor(session)
     if editor.model is not None and view.mask in editor.model.masks:
         try:
-            toggle(editor, view.mask, str(document.runtime.scene.nodes.name[bone]))
+            toggle(editor, view.mask, str(document.runtime.scene.nodes.name[bone]), view.fall_off)
         except LucarnaError as error:
             session.fail(error)
     return True

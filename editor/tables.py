@@ -6,6 +6,8 @@ animation    text drive root_motion                     row 0
 lights       fields of LightAsset                        rows = light rows
 cameras      yfov znear                                 rows = camera rows
 materials    <parameter of the effect>                  rows = material ids
+             texture:SLOT (see texture_to_plain, None: nothing in it)  :features  :queue
+             several of these joined by commas: one edit, their values in one tuple
 environment  fields of EnvironmentAsset                 row 0
 look         fields of LookAsset                        row 0
 settings     names of render settings, joined by commas  row 0; of the view, not of the document: never saved
@@ -13,6 +15,7 @@ settings     names of render settings, joined by commas  row 0; of the view, not
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Protocol
 
@@ -20,6 +23,10 @@ import numpy as np
 
 from editor.commands.command import Command
 from editor.host import Runtime
+from engine.assets.material import TextureRef
+
+#: columns of the materials that are no parameters
+TEXTURE, FEATURES, QUEUE = "texture:", ":features", ":queue"
 
 
 class Table(Protocol):
@@ -143,17 +150,63 @@ class RecordTable:
 
 
 class MaterialTable:
-    """Material parameters by material id, through the residency, which updates the GPU's rows."""
+    """What a material says, by material id, through the residency, which updates the GPU's rows and draws."""
 
     def __init__(self, residency: Any) -> None:
         self._residency = residency
 
     def read(self, column: str, rows: Sequence[int]) -> tuple[Any, ...]:
-        return tuple(plain(material_values(self._residency, row)[column]) for row in rows)
+        if "," in column:
+            names = column.split(",")
+            return tuple(tuple(self._read(name, row) for name in names) for row in rows)
+        return tuple(self._read(column, row) for row in rows)
 
     def write(self, column: str, rows: Sequence[int], values: Sequence[Any]) -> None:
         for row, value in zip(rows, values, strict=True):
-            self._residency.set_material_param(row, column, value)
+            parts = zip(column.split(","), value, strict=True) if "," in column else [(column, value)]
+            self._write(row, dict(parts))
+
+    def _read(self, column: str, row: int) -> Any:
+        asset = self._residency.material(row).asset
+        if column.startswith(TEXTURE):
+            return texture_to_plain(asset.textures.get(column.removeprefix(TEXTURE)))
+        if column == FEATURES:
+            return tuple(asset.features)
+        return asset.queue if column == QUEUE else plain(material_values(self._residency, row)[column])
+
+    def _write(self, row: int, values: Mapping[str, Any]) -> None:
+        """All of it, or nothing and a LucarnaError."""
+        said = {name: value for name, value in values.items() if name in (FEATURES, QUEUE) or name.startswith(TEXTURE)}
+        params = {name: value for name, value in values.items() if name not in said}
+        if said:
+            record = self._residency.material(row)
+            asset = copy.deepcopy(getattr(record, "said", record.asset))
+            asset.features = list(said.get(FEATURES, asset.features))
+            asset.queue = said.get(QUEUE, asset.queue)
+            for name, value in said.items():
+                if name.startswith(TEXTURE):
+                    asset.textures.pop(name.removeprefix(TEXTURE), None)
+                    if value is not None:
+                        asset.textures[name.removeprefix(TEXTURE)] = texture_from_plain(value)
+            asset.params |= params
+            self._residency.restate_material(row, asset)
+            return
+        for param in self._residency.material(row).effect.params if len(params) > 1 else ():
+            if param.name in params:
+                param.check(params[param.name])
+        for name, value in params.items():
+            self._residency.set_material_param(row, name, value)
+
+
+def texture_to_plain(ref: Any) -> tuple[Any, ...] | None:
+    """A TextureRef as a tuple of its fields."""
+    return None if ref is None else tuple(plain(getattr(ref, name)) for name in type(ref).__slots__)
+
+
+def texture_from_plain(value: Sequence[Any]) -> TextureRef:
+    """The inverse."""
+    fields: Any = dict(zip(TextureRef.__slots__, (tuple(v) if isinstance(v, list) else v for v in value), strict=True))
+    return TextureRef(**fields)
 
 
 class SettingsTable:

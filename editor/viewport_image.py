@@ -15,11 +15,19 @@ MAX_SIZE = 8192
 #: (milliseconds of a frame, the scale to render at while something moves if it takes longer)
 COARSER = ((250.0, 0.25), (45.0, 0.5))
 
+#: seconds that a frame of the window spends on new shader programs: it stays under 50 ms where a program takes less
+PATIENCE = 0.02
+
 
 class ViewportImage:
-    """`frame` is the last good picture; `renders` counts the pictures made, so that a test can see the editor sleep."""
+    """`frame` is the last good picture; `renders` counts the pictures made, so that a test can see the editor sleep.
+
+    `patience`: seconds that a frame of the window may spend on new shader programs, while the last picture stays; None
+    waits for them all. `compiling`: (done, of how many) meanwhile."""
 
     def __init__(self) -> None:
+        self.patience: float | None = None
+        self.compiling: tuple[int, int] | None = None
         self.frame: Any = None
         self.renders = 0
         self.error = ""
@@ -45,7 +53,10 @@ class ViewportImage:
             return self.frame
         try:
             with session.device_frame():
-                self.frame = runtime.render(session.view())
+                frame = self._made(runtime, session.view())
+            if frame is None:
+                return self.frame
+            self.frame = frame
             self.renders += 1
             self.width, self.height, self.error = width, height, ""
         except LucarnaError as error:
@@ -54,6 +65,17 @@ class ViewportImage:
         # taken after the render: streaming may have moved a revision, and that is shown by the next one
         self._key = key
         return self.frame
+
+    def _made(self, runtime: Any, view: Any) -> Any:
+        """A picture, or None while its programs are made."""
+        self.compiling = None
+        if self.patience is None or not hasattr(runtime, "follow"):
+            return runtime.render(view)
+        frame = runtime.follow(view, self.patience)
+        if frame is None:
+            ahead = runtime.renderer.programs.ahead
+            self.compiling = (ahead.done, ahead.total)
+        return frame
 
     def resolution(self, session: Session) -> float:
         """1, or less while something moves and frames at full resolution take too long to follow it.
@@ -73,7 +95,7 @@ class ViewportImage:
 
     def forget(self) -> None:
         """Drop the picture: its runtime is being closed."""
-        self.frame, self._key, self.error = None, None, ""
+        self.frame, self._key, self.error, self.compiling = None, None, "", None
 
     def pixels(self) -> Any:
         """The picture as u1[h,w,4], row 0 at the top, or None."""

@@ -40,6 +40,7 @@ class ShaderWatch:
         self._reload: Any = None
         self._texts_at = 0.0
         self._next = -1
+        self._drawn_at = 0
 
     @property
     def badge(self) -> str:
@@ -64,6 +65,8 @@ class ShaderWatch:
         self._start_thread()
         if self._due.is_set() or reload.changed(now):
             self.reload(session, force=False)
+        elif getattr(reload, "unproven", ()) and session.image.renders > self._drawn_at:
+            self._prove(session)
 
     def reload(self, session: Session, *, force: bool) -> None:
         """Look at the files now; `force` compiles everything again."""
@@ -78,19 +81,31 @@ class ShaderWatch:
         if result.names:
             self.taken += 1
             self.last_ms = result.ms
+            self._drawn_at = session.image.renders
             names = ", ".join(result.names[:4]) + (
                 f" and {len(result.names) - 4} more" if len(result.names) > 4 else ""
             )
             session.messages.info(f"Reloaded {names} in {result.ms:.0f} ms")
         self._report(session)
 
-    def next_problem(self, session: Session) -> Problem | None:
-        """Go to the next problem that has a place, round and round."""
+    def _prove(self, session: Session) -> None:
+        """After the first picture by new shaders: one more, not shown, in which NaN and infinities are looked for."""
+        settings = type(session.settings)(**{**session.settings.values(), "check_numbers": True})
+        view = session.host.view(session.camera, session.width, session.height, settings)
+        assert session.document is not None
+        with session.device_frame():
+            frame = session.document.runtime.render(view)
+        self._reload.prove(frame.numbers)
+        session.image.invalidate()
+        self._report(session)
+
+    def next_problem(self, session: Session, step: int = 1) -> Problem | None:
+        """Go to the next problem that has a place (-1: the one before), round and round."""
         placed = [p for p in self.problems if p.file and p.line]
         if not placed:
             session.ui.notice = "No errors" if not self.problems else self.problems[0].message
             return None
-        self._next = (self._next + 1) % len(placed)
+        self._next = (self._next + step) % len(placed) if self._next >= 0 else 0 if step > 0 else len(placed) - 1
         problem = placed[self._next]
         session.open_code(Path(problem.file), problem.line, problem.column)
         return problem

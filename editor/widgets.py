@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from imgui_bundle import imgui
@@ -117,14 +117,18 @@ def property_grid(name: str) -> Iterator[bool]:
         imgui.end_table()
 
 
-def property_row(label: str, doc: str = "", *, changed: bool = False) -> None:
-    """Begin a row: write the label, move to the widget's cell. `changed` marks a value that is not the default."""
+def property_row(label: str, doc: str = "", *, changed: bool = False, menu: Callable[[], None] | None = None) -> None:
+    """Begin a row: write the label, move to the widget's cell. `changed` marks a value that is not the default.
+    `menu` draws what a right click on the label opens."""
     imgui.table_next_row()
     imgui.table_next_column()
     imgui.align_text_to_frame_padding()
     shown = fitted(label, imgui.get_content_region_avail().x)
     text(shown, theme.TEXT if changed else theme.DIM)
     tooltip(doc if shown == label else f"{label}\n{doc}")
+    if menu is not None and imgui.begin_popup_context_item("menu"):
+        menu()
+        imgui.end_popup()
     imgui.table_next_column()
     imgui.set_next_item_width(-1)
 

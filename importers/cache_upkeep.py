@@ -1,6 +1,8 @@
 """What the cache holds, and pruning it: the least recently used goes first. Safe while others read and write it.
 
     converted/<key>/    whole sources       textures/, env/, fbx_names/, opened/, refused/   single files
+    thumbnails/         pictures of asset files (editor.thumbnail_maker)
+    programs/           compiled shader programs (engine.gpu.program_cache, which keeps itself under 256 MiB)
 
 An entry is renamed before it is deleted, so nobody finds half of one; who was copying it makes it again. A shared store
 is not pruned from here: object stores have rules for that.
@@ -20,7 +22,10 @@ from engine.core.paths import user_cache_dir
 from importers.cache import RECORD, owner
 
 #: what is an entry in each folder of the cache: a whole folder, or a file. Others (references) are not ours to prune.
-FOLDERS = {"converted": True, "textures": False, "env": False, "fbx_names": False, "opened": False, "refused": False}
+FOLDERS = {
+    "converted": True, "textures": False, "env": False, "fbx_names": False, "opened": False, "refused": False,
+    "programs": False, "thumbnails": False,
+}  # fmt: skip
 #: seconds after which what no living process owns is litter
 ABANDONED = 3600.0
 _UNITS = {"": 1, "b": 1, "kb": 10**3, "mb": 10**6, "gb": 10**9, "tb": 10**12, "kib": 2**10, "mib": 2**20, "gib": 2**30}

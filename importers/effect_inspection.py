@@ -9,29 +9,46 @@ from typing import Any
 
 from engine.app.project import shader_folders
 from engine.core.errors import InputError, UsageError
+from engine.core.findings import Findings
 from engine.core.paths import shaders_dir
 from engine.materials.effect import Effect, load_effect
-from engine.materials.library import EffectLibrary
+from engine.materials.explain import role_lines, technique_rows
 from engine.materials.merge import effect_name
+from importers.variant_inspection import scene_variants
 
 Description = dict[str, Any]
 
-#: size of the picture that a scene is drawn in to learn its variants
-SIZE = (64, 36)
 
-
-def describe_effect(path: Path, *, scene: Path | None = None, features: tuple[str, ...] = ()) -> Description:
-    """Describe an effect file; `scene`: with the variants that it uses (needs a graphics device); `features`: those of
-    the variant whose sources are shown. Raises ShaderError, InputError, UsageError, DeviceError."""
-    search = list(dict.fromkeys([path.absolute().parent.parent, *shader_folders(path.parent), shaders_dir()]))
+def describe_effect(
+    path: Path, *, scene: Path | None = None, features: tuple[str, ...] = (), pixels: bool = False
+) -> Description:
+    """Describe an effect file; `scene`: with the variants that it uses (needs a graphics device), and with `pixels`
+    what each of their features changes in its picture; `features`: those of the variant whose sources are shown. Raises
+    ShaderError, InputError, UsageError, DeviceError."""
+    search = search_of(path)
     effect = load_effect(path, search=search)
     described = _declared(effect)
     described["variants_possible"] = 2 ** len(effect.features) * len(effect.techniques)
     described["generated"] = effect.glsl(frozenset(features)).splitlines()
     described["sources"] = _sources(effect, search, frozenset(features))
     if scene is not None:
-        described |= _variants(effect_name(path), scene)
+        described |= scene_variants(effect_name(path), scene, pixels=pixels)
+    elif pixels:
+        raise UsageError("--pixels needs a scene to look at", hint="give --scene FILE")
     return described
+
+
+def search_of(path: Path) -> list[Path]:
+    """The folders that an effect file's shaders and what it extends are looked for in."""
+    return list(dict.fromkeys([path.absolute().parent.parent, *shader_folders(path.parent), shaders_dir()]))
+
+
+def effect_findings(path: Path) -> Findings:
+    """What `check` and `inspect` say of an effect that is no mistake. Raises ShaderError, InputError."""
+    findings = Findings(str(path))
+    for message, place in load_effect(path, search=search_of(path)).findings:
+        findings.warn("effect.technique", message, str(place))
+    return findings
 
 
 def _declared(effect: Effect) -> Description:
@@ -51,14 +68,28 @@ def _declared(effect: Effect) -> Description:
                 "min": _finite(p.min),
                 "max": _finite(p.max),
                 "unit": p.unit,
+                "choices": list(p.choices),
+                "group": p.group,
+                "order": p.order,
+                "when": p.when,
+                "doc": p.doc,
             }
             for p in effect.params
         ],
-        "textures": [{"name": s.name, "space": s.space, "default": s.default} for s in effect.textures],
-        "techniques": [
-            {"role": t.role, "vertex": t.vertex, "fragment": t.fragment, "level": t.level, "blend": t.blend}
-            for t in effect.techniques.values()
+        "textures": [
+            {
+                "name": s.name,
+                "space": s.space,
+                "default": s.default,
+                "doc": s.doc,
+                "sampler": ""
+                if s.sampler is None
+                else f"{s.sampler.min_filter}, {s.sampler.wrap_u} x {s.sampler.wrap_v}",
+            }
+            for s in effect.textures
         ],
+        "techniques": list(technique_rows(effect)),
+        "absent": role_lines([effect]),
         "row_bytes": effect.row_layout.size,
     }
 
@@ -84,47 +115,7 @@ def _sources(effect: Effect, search: list[Path], features: frozenset[str]) -> De
     request = VariantRequest(effect.name, role, features, (OBJECT_ATTRIBUTE,), prelude=SCENE_PRELUDE)
     desc = describe(effect, request, search)
     found: Description = {}
-    for source in (desc.vertex, desc.fragment):
-        if source is not None:
-            lines = zip(source.lines, source.text.splitlines(), strict=False)
-            found[source.stage] = [f"{Path(file).name}:{line} | {code}" for (file, line), code in lines]
+    for source in desc.stages:
+        lines = zip(source.lines, source.text.splitlines(), strict=False)
+        found[source.stage] = [f"{Path(file).name}:{line} | {code}" for (file, line), code in lines]
     return found
-
-
-def _variants(name: str, scene: Path) -> Description:
-    """Draw the scene once and tell of the variants of effect `name`."""
-    from engine.app.headless import render_image
-    from engine.app.runtime import Runtime
-    from engine.gpu import open_device
-    from engine.render.view import View
-    from importers.opening import open_path
-
-    device = open_device("gl")
-    runtime = Runtime(device, profile=False)
-    try:
-        findings = open_path(runtime, scene)
-        aspect = SIZE[0] / SIZE[1]
-        render_image(runtime, View(runtime.default_camera(aspect), *SIZE))
-        library: EffectLibrary = runtime.residency.effects
-        uses = runtime.renderer.variant_uses()
-        records = runtime.residency.materials.records
-        variants = []
-        for variant in library.variants():
-            if variant.request.effect == name:
-                materials = sorted({records[m].asset.name for m in uses.get(variant.request, [])})
-                variants.append(
-                    {
-                        "role": variant.request.role, "features": sorted(variant.features),
-                        "streams": [a.stream for a in variant.request.attributes],
-                        "used_by": materials, "reasons": variant.reasons, "absent": variant.absent,
-                        "compile_ms": round(variant.compile_ms, 2),
-                        "error": str(variant.error) if variant.error is not None else "",
-                    }
-                )  # fmt: skip
-        return {
-            "scene": str(scene), "variants_compiled": len(variants), "variants": variants,
-            "scene_findings": len(findings.items),
-        }  # fmt: skip
-    finally:
-        runtime.close()
-        device.release()

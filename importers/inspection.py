@@ -34,19 +34,22 @@ Box = tuple[NDArray[np.float64], NDArray[np.float64]]
 
 
 def describe(
-    path: Path, settings: ImportSettings, *, scene: Path | None = None, features: tuple[str, ...] = ()
-) -> tuple[Description, Description, Findings]:
-    """The object above, the details, and the findings; `scene`, `features` are for effects (see effect_inspection).
+    path: Path, settings: ImportSettings, *, scene: Path | None = None, features: tuple[str, ...] = (),
+    pixels: bool = False,
+) -> tuple[Description, Description, Findings]:  # fmt: skip
+    """The object above, the details, and the findings; `scene`, `features`, `pixels` are for effects (see
+    effect_inspection).
 
     Raises InputError or FormatError where it cannot be read."""
     if engine_kind(path) == "effect" and path.is_file():
-        from importers.effect_inspection import describe_effect
+        from importers.effect_inspection import describe_effect, effect_findings
 
-        body = describe_effect(path, scene=scene, features=features)
+        body = describe_effect(path, scene=scene, features=features, pixels=pixels)
         # the same keys as of all other files, though an effect has nothing of these
         lists = ("meshes", "clips", "materials", "textures", "nodes", "lights", "cameras", "findings")
+        findings = effect_findings(path)
         alike: Description = {"file": str(path), "kind": "effect"} | {name: [] for name in lists}
-        return alike | body, {}, Findings(str(path))
+        return alike | body | {"findings": [finding.to_json() for finding in findings]}, {}, findings
     contents = load_contents(path, settings)
     return describe_contents(path, contents), contents.details, contents.findings
 
@@ -96,6 +99,8 @@ def _of_its_kind(light: LightAsset) -> Description:
         found["temperature"] = light.temperature
     if light.profile:
         found["profile"] = light.profile
+    if light.casts_shadow:
+        found["casts_shadow"] = True
     return found
 
 
@@ -159,6 +164,11 @@ def _rounded(value: float) -> float | None:
 
 def _material(material: MaterialAsset) -> Description:
     described: Description = {"name": material.name, "effect": material.effect, "queue": material.queue}
+    if material.parent:
+        described["parent"] = material.parent
+        described["from"] = {key: file.name for key, file in sorted(material.origin.items())}
+    if material.level:
+        described["level"] = material.level
     if material.features:
         described["features"] = material.features
     described["params"] = {k: list(v) if isinstance(v, tuple) else v for k, v in material.params.items()}

@@ -50,7 +50,7 @@ def clean(model: ImportedModel, settings: ImportSettings) -> None:
 
 def finish(model: ImportedModel, settings: ImportSettings) -> None:
     """Reduce keys, add levels of detail, and order triangles and vertices; in place."""
-    if settings.key_error_mm > 0.0:
+    if settings.key_error_mm != 0.0 and model.clips:
         from importers.key_reduction import reduce_model
 
         reduce_model(model, settings.key_error_mm / 1000.0)

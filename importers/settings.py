@@ -127,12 +127,9 @@ class ImportSettings:
         0, group="geometry", min=0, max=6, doc="simplified copies of each mesh, each half of the one before"
     )
     key_error_mm: float = setting(
-        0.0,
-        group="animation",
-        min=0.0,
-        unit="mm",
-        doc="leave out keys while no vertex moves by more; 0 = keep all keys",
-    )
+        -1.0, group="animation", min=-1.0, unit="mm",
+        doc="fewer keys in 16 bits while no vertex moves by more; 0 = all as they are, -1 = 1/10,000 of the size",
+    )  # fmt: skip
     variant: str = setting("", group="materials", doc="material variant of a glTF file to show; '' = the plain ones")
     loose_textures: bool = setting(
         True, group="materials", doc="find textures beside the model by their names for materials without any"

@@ -8,4 +8,4 @@ from __future__ import annotations
 #: how textures are encoded (a new ispc_texcomp encodes otherwise, too)
 ENCODER_VERSION = "ispc_texcomp-1.0.1/2"
 #: all that happens between an importer's model and the files: processing, names, formats
-CONVERT_VERSION = f"4, textures {ENCODER_VERSION}"
+CONVERT_VERSION = f"5, textures {ENCODER_VERSION}"

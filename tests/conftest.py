@@ -23,6 +23,9 @@ CACHED_KINDS = ("sampler", "program", "query")
 # workers and of the farm take this away again.
 os.environ.setdefault("LUCARNA_IN_PROCESS", "1")
 
+# Compile what is tested, whatever the user's cache holds. Tests of the program cache give it a folder of its own.
+os.environ.setdefault("LUCARNA_PROGRAM_CACHE", "off")
+
 
 def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line("markers", "keeps_objects: leaves GPU objects behind on purpose (no leak check)")

@@ -11,7 +11,7 @@ from __future__ import annotations
 import re
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from engine.core.errors import LucarnaError
 from importers.export.obj import Geometry, find_clip, obj_bytes, time_of_frame
 from importers.fbx.reader import load
+from importers.model import ImportedModel
 from importers.settings import ImportSettings
 
 F8 = NDArray[np.float64]
@@ -74,8 +75,8 @@ def find_truths(folder: Path) -> list[Truth]:
     return found
 
 
-def measure(folder: Path) -> Iterator[Outcome]:
-    """The outcomes of all truths below `folder`; each FBX file is read once."""
+def measure(folder: Path, prepare: Callable[[ImportedModel], None] = lambda model: None) -> Iterator[Outcome]:
+    """The outcomes of all truths below `folder`; each FBX file is read once, and then `prepare` is called with it."""
     last: Path | None = None
     geometry: Geometry | None = None
     unit, up, failure = 1.0, "", ""
@@ -84,6 +85,7 @@ def measure(folder: Path) -> Iterator[Outcome]:
             last, geometry, failure = truth.fbx, None, ""
             try:
                 model = load(truth.fbx, ImportSettings())
+                prepare(model)
                 unit, up = float(str(model.summary["unit_meters"])), str(model.summary["up_axis"])
                 slots = [["" for _ in mesh] for mesh in model.slots]
                 geometry = Geometry(model.name, model.nodes, model.meshes, slots, model.clips)

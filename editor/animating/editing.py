@@ -129,7 +129,7 @@ class AnimationEditor:
         return len(blocks)
 
     def set_block(self, track: int, block: int, *, gesture: Hashable | None = None, **values: Any) -> None:
-        """`start`, `length`, `offset`, `speed`, `fade_in`, `fade_out`, `curve`, `play`, `sync`, `clip`."""
+        """`start`, `length`, `offset`, `speed`, `fade_in`, `fade_out`, `curve`, `play`, `sync`, `weight`, `clip`."""
         name = self._block(track, block).clip
         if "clip" in values:
             text, values["clip"] = self._with_clip(self.text, values["clip"])
@@ -241,9 +241,13 @@ class AnimationEditor:
     def mask_subtree(self, mask: str, bone: str, weight: float = 1.0, fall_off: int = 0,
                      gesture: Hashable | None = None) -> None:  # fmt: skip
         """Let a bone and all below it follow; the same bone again replaces what was said of it."""
-        kept = [s.model_dump(exclude_defaults=True) for s in self._mask(mask).subtrees if s.node != bone]
+        parts = [s.model_dump(exclude_defaults=True) for s in self._mask(mask).subtrees]
         value = {"node": bone, "weight": float(weight) if weight != 1.0 else None, "fall_off": fall_off or None}
-        self.put((("masks", mask, "subtrees"), [*kept, value]), label=f"Mask {bone}", gesture=gesture)
+        known = [part["node"] for part in parts]
+        at = known.index(bone) if bone in known else len(parts)
+        self.put(
+            (("masks", mask, "subtrees"), [*parts[:at], value, *parts[at + 1 :]]), label=f"Mask {bone}", gesture=gesture
+        )
 
     def unmask_subtree(self, mask: str, bone: str) -> None:
         kept = [s.model_dump(exclude_defaults=True) for s in self._mask(mask).subtrees if s.node != bone]
@@ -288,7 +292,20 @@ class AnimationEditor:
         }  # fmt: skip
         self.apply(edits.append(text, ("layers",), value), f"Add layer {value['name']}")
 
-    def add_state(self, name: str, clip: str = "", blend: str = "", at: Sequence[float] | None = None) -> str:
+    def set_layer(self, number: int, *, gesture: Hashable | None = None, **values: Any) -> None:
+        """`name`, `clip`, `blend`, `mask`, `mode`, `weight`, `speed`, `play`, `reference`, `reference_time`."""
+        self._set(("layers", number), values, f"Change layer {self.model.layers[number].name}", gesture)
+
+    def remove_layer(self, number: int) -> None:
+        self.apply(edits.remove(self.text, ("layers", number)), f"Remove layer {self.model.layers[number].name}")
+
+    def move_layer(self, number: int, by: int) -> None:
+        self.apply(edits.move(self.text, ("layers", number), by), f"Move layer {self.model.layers[number].name}")
+
+    def add_state(
+        self, name: str, clip: str = "", blend: str = "", at: Sequence[float] | None = None,
+        gesture: Hashable | None = None,
+    ) -> str:  # fmt: skip
         """A state that plays a clip or a blend; its name."""
         self.create()
         text = self.text
@@ -298,14 +315,12 @@ class AnimationEditor:
             value["blend"] = blend
         else:
             text, value["clip"] = self._with_clip(text, clip)
-        self.apply(edits.put(text, (("states", name), value)), f"Add state {name}")
+        self.apply(edits.put(text, (("states", name), value)), f"Add state {name}", gesture)
         return name
 
     def set_state(self, state: str, *, gesture: Hashable | None = None, **values: Any) -> None:
-        """`clip`, `blend`, `speed`, `mode`, `at`."""
-        self.put(
-            *((("states", state, k), v) for k, v in values.items()), label=f"Change state {state}", gesture=gesture
-        )
+        """`clip` (one of the scene's), `blend`, `speed`, `mode`, `at`."""
+        self._set(("states", state), values, f"Change state {state}", gesture)
 
     def remove_state(self, state: str) -> None:
         """With the transitions from and to it."""
@@ -337,6 +352,14 @@ class AnimationEditor:
         self.put((("params", name), {"type": kind, "default": default}), label=f"Add parameter {name}")
         return name
 
+    def remove_param(self, name: str) -> None:
+        """Raises FormatError where something asks for it."""
+        self.apply(edits.remove(self.text, ("params", name)), f"Remove parameter {name}")
+
+    def set_default(self, name: str, value: float | bool, gesture: Hashable | None = None) -> None:
+        """What a parameter is at the start."""
+        self.put((("params", name, "default"), value), label=f"Default of {name}", gesture=gesture)
+
     def set_param(self, name: str, value: float) -> None:
         """Steer the character now; not part of the file."""
         animation = animation_of(self.session)
@@ -346,7 +369,10 @@ class AnimationEditor:
         if not self.session.playback.playing:
             self.session.seek(self.session.playback.time)
 
-    def add_blend(self, name: str, params: Sequence[str], samples: Sequence[tuple[str, Sequence[float]]]) -> str:
+    def add_blend(
+        self, name: str, params: Sequence[str], samples: Sequence[tuple[str, Sequence[float]]],
+        gesture: Hashable | None = None,
+    ) -> str:  # fmt: skip
         """A blend space: (clip, place) of each sample; its name."""
         self.create()
         text, made = self.text, []
@@ -355,12 +381,36 @@ class AnimationEditor:
             made.append({"clip": key, "at": [float(v) for v in at]})
         name = edits.free_name(name, list(self.model.blends))
         value = {"params": list(params), "samples": made}
-        self.apply(edits.put(text, (("blends", name), value)), f"Add blend {name}")
+        self.apply(edits.put(text, (("blends", name), value)), f"Add blend {name}", gesture)
         return name
 
     def move_sample(self, blend: str, sample: int, at: Sequence[float], gesture: Hashable | None = None) -> None:
         self.put((("blends", blend, "samples", sample, "at"), [float(v) for v in at]), label="Move sample",
                  gesture=gesture)  # fmt: skip
+
+    def set_sample(self, blend: str, sample: int, clip: str) -> None:
+        """Let another of the scene's clips stand at a sample's place."""
+        text, key = self._with_clip(self.text, clip)
+        self.apply(edits.put(text, (("blends", blend, "samples", sample, "clip"), key)), f"Use {clip}")
+
+    def add_sample(self, blend: str, clip: str, at: Sequence[float]) -> None:
+        """Put one of the scene's clips into a blend space."""
+        text, key = self._with_clip(self.text, clip)
+        value = {"clip": key, "at": [float(v) for v in at]}
+        self.apply(edits.append(text, ("blends", blend, "samples"), value), f"Add {clip}")
+
+    def remove_sample(self, blend: str, sample: int) -> None:
+        if len(self.model.blends[blend].samples) == 1:
+            raise InputError(f"the last clip of {blend} stays", hint="delete the blend space")
+        self.apply(edits.remove(self.text, ("blends", blend, "samples", sample)), "Remove sample")
+
+    def remove_blend(self, blend: str) -> None:
+        """Raises InputError while a state or layer shows it."""
+        users = [name for name, state in self.model.states.items() if state.blend == blend]
+        users += [layer.name for layer in self.model.layers if layer.blend == blend]
+        if users:
+            raise InputError(f"{blend} is shown by {', '.join(users)}", hint="change or delete that first")
+        self.apply(edits.remove(self.text, ("blends", blend)), f"Remove blend {blend}")
 
     # -- inside -------------------------------------------------------------------------------------------------------
 
@@ -380,6 +430,13 @@ class AnimationEditor:
             key = edits.free_name(clip, list(model.clips))
             return edits.put(text, (("clips", key, "source"), clip)), key
         return edits.put(text, (("clips", clip, "source"), clip)), clip
+
+    def _set(self, place: edits.Path, values: Mapping[str, Any], label: str, gesture: Hashable | None) -> None:
+        """Set several values of one thing as one edit; a clip is one of the scene's, declared where it is not yet."""
+        text, wanted = self.text, dict(values)
+        if wanted.get("clip"):
+            text, wanted["clip"] = self._with_clip(text, wanted["clip"])
+        self.apply(edits.put(text, *(((*place, k), v) for k, v in wanted.items())), label, gesture)
 
     def _clip_seconds(self, clip: str) -> float:
         runtime = self._document().runtime

@@ -33,11 +33,15 @@ def follow(session: Session) -> None:
         return
     animation, drive = animation_of(session), drive_of(session)
     deck = getattr(document.runtime, "deck", None)
-    state = (drive, tuple(deck.active) if deck is not None else ())
+    beside = tuple(getattr(document.runtime, "beside", ()))
+    state = (drive, (*deck.active, *beside) if deck is not None else ())
     if session.followed is not None and session.followed[0] is animation and session.followed[1:] == state:
         return
     if session.followed is None or session.followed[1] != drive:
         session.animating.fitted = False
+    if session.followed is None:
+        rates = [clip.frame_rate for clip in getattr(deck, "clips", ()) if clip.frame_rate > 0.0]
+        session.playback.frame_rate = float(rates[0]) if rates else session.playback.frame_rate
     session.followed = (animation, *state)
     playback = session.playback
     if animation is not None and drive != "clips":

@@ -53,7 +53,7 @@ def add_animation_operations(ops: Operations) -> None:
         "Shift+M",
     )
     add("animation.split", "Split block here", guarded(_split), "Shift+S", enabled=_has_block)
-    add("animation.delete-block", "Delete block", guarded(_delete), enabled=_has_block)
+    add("animation.delete-block", "Delete block", guarded(_delete), "Shift+Delete", enabled=_has_block)
     add("animation.root-motion", "Root motion", guarded(_toggle_root), checked=_root_on, enabled=_has_animation)
 
     for name, label, keys in (

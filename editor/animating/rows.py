@@ -1,9 +1,11 @@
-"""What the dope sheet and the curve view show: a clip's channels by node, their keys, their values over time."""
+"""What the dope sheet and the curve view show: a clip's channels by node, their keys, their values over time; and
+where on the timeline they play."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +16,10 @@ from engine.assets.clip import Channel, ClipAsset
 from engine.math import quat
 
 F8 = NDArray[np.float64]
-COMPONENTS = {"translation": ("x", "y", "z"), "rotation": ("x°", "y°", "z°"), "scale": ("x", "y", "z")}
+#: no more repeats of a key in a looping block are shown than this
+_MOST_TURNS = 1000
+UNITS = {"translation": "m", "rotation": "°", "scale": "×", "weights": ""}
+COMPONENTS = {"translation": ("x", "y", "z"), "rotation": ("x", "y", "z"), "scale": ("x", "y", "z")}
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,6 +30,60 @@ class Row:
     node: str
     path: str
     keys: F8
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Shown:
+    """A clip as it plays: by itself, or as block `block` of `track` (numbers) of `sequence`."""
+
+    clip: ClipAsset
+    sequence: Any = None
+    track: int = -1
+    block: int = -1
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """When it plays, seconds of the timeline."""
+        if self.sequence is None:
+            return 0.0, float(self.clip.duration)
+        own = self._block
+        return own.start, own.end
+
+    def clip_times(self, times: F8) -> F8:
+        """The clip's own times at `times` of the timeline."""
+        if self.sequence is None:
+            return np.clip(times, 0.0, float(self.clip.duration))
+        return np.asarray(self.sequence.clip_time(self.sequence.tracks[self.track], self._block, times), np.float64)
+
+    def places(self, keys: F8) -> tuple[F8, NDArray[np.int64]]:
+        """(times on the timeline, numbers of the `keys` that are there): every repeat of a loop, rising with it."""
+        number = np.arange(len(keys))
+        length = float(self.clip.duration)
+        if self.sequence is None or length <= 0.0 or not len(keys):
+            return np.asarray(keys, np.float64), number
+        own, track = self._block, self.sequence.tracks[self.track]
+        ends = np.array([own.start, own.end])
+        first, last = np.sort(self.sequence.phase(track, own, ends))
+        share = np.asarray(keys, np.float64) / length
+        if own.play == "once":
+            turns = np.zeros(1)
+        else:
+            turns = np.arange(np.floor(first), min(np.floor(last), np.floor(first) + _MOST_TURNS) + 1)
+        phase = turns[:, None] + share[None]
+        if own.play == "ping-pong":
+            phase = np.where((turns % 2 == 0)[:, None], phase, turns[:, None] + 1.0 - share[None])
+        inside = (phase >= first - 1e-9) & (phase <= last + 1e-9)
+        which = np.broadcast_to(number, phase.shape)[inside]
+        if own.sync and track.phases is not None:
+            times, phases = track.phases
+            at = np.interp(phase[inside] - own.offset / length, phases, times)
+        else:
+            at = own.start + (phase[inside] * length - own.offset) / (own.speed or np.inf)
+        return np.asarray(at, np.float64), which
+
+    @property
+    def _block(self) -> Any:
+        return self.sequence.tracks[self.track].blocks[self.block]
 
 
 def dope_rows(clip: ClipAsset, search: str = "", nodes: Sequence[str] = ()) -> list[Row]:
@@ -63,12 +122,15 @@ def curve(channel: Channel, times: F8) -> tuple[tuple[str, ...], F8]:
 
 
 def _degrees(q: F8) -> F8:
-    """Rotation vectors in degrees f8[3,n] of quaternions f8[4,n], continuous where the rotation is."""
-    signs = np.cumprod(np.where(np.sum(q[:, 1:] * q[:, :-1], axis=0) < 0.0, -1.0, 1.0))
-    q = q * np.concatenate([[1.0], signs])
-    if q.shape[1] and q[3, 0] < 0.0:
-        q = -q
+    """Rotation vectors in degrees f8[3,n] of quaternions f8[4,n]: of all that mean the same rotation the nearest to the
+    one before, so that the curve does not jump where the rotation does not. (It may where a whole turn is complete:
+    there the axis is anybody's.)"""
     sine = np.linalg.norm(q[:3], axis=0)
-    angle = 2.0 * np.arctan2(sine, q[3])
-    scale = np.where(sine > 1e-12, angle / np.where(sine > 1e-12, sine, 1.0), 2.0)
-    return np.degrees(q[:3] * scale)
+    axes = q[:3] / np.where(sine > 1e-12, sine, 1.0)
+    angles = 2.0 * np.arctan2(sine, q[3])
+    out, before = np.zeros((3, q.shape[1])), np.zeros(3)
+    for i in range(q.shape[1]):
+        turns = np.round((before @ axes[:, i] - angles[i]) / (2.0 * np.pi))
+        before = axes[:, i] * (angles[i] + 2.0 * np.pi * turns)
+        out[:, i] = before
+    return np.degrees(out)

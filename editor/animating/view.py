@@ -35,6 +35,12 @@ class AnimatingView:
     transition: int = -1
     mask: str = ""
     blend: str = ""
+    #: how a clip that is added cross-fades with the block before it
+    new_fade: float = 0.25
+    new_curve: str = "smooth"
+    new_sync: bool = False
+    #: over how many bones a mask rises from a bone that is clicked, in the list or in the picture
+    fall_off: int = 0
     #: a click in the viewport picks a bone for the mask
     picking_bone: bool = False
     #: (names of bones, search) of the mask panel

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from codecs import BOM_UTF8
 from pathlib import Path
 
+from editor.code.line_ends import join_ends, split_ends
 from engine.core.atomic import write_bytes
 from engine.core.errors import InputError, OutputError
 from engine.core.watched import Stamp, stamp
@@ -16,7 +18,8 @@ class CodeDocument:
     """`text`: what is being edited, with \\n line ends. `saved`: what the file holds as far as we know.
 
     `theirs`: the file's content when it was changed elsewhere while there were unsaved changes here, else None.
-    `revision` grows when `text` was replaced by something else than typing.
+    `revision` grows when `text` was replaced by something else than typing. What is written has the line ends and the
+    byte order mark that the file had.
     """
 
     def __init__(self, path: Path, *, read_only: bool = False) -> None:
@@ -26,7 +29,9 @@ class CodeDocument:
         self.theirs: str | None = None
         self.gone = False
         self.revision = 0
-        self._crlf = False
+        self._bom = False
+        #: the text as the file last held it, and the ends of its lines
+        self._read_as: tuple[str, list[str]] = ("", [])
         self._stamp: Stamp = None
         self.text = self.saved = self._read()
 
@@ -45,7 +50,8 @@ class CodeDocument:
 
     @property
     def language(self) -> str:
-        return "toml" if self.path.suffix == ".toml" else "glsl"
+        known = {".toml": "toml", ".json": "json", ".md": "markdown", ".txt": "text"}
+        return known.get(self.path.suffix.lower(), "glsl")
 
     def edit(self, text: str) -> None:
         """Take over what was typed."""
@@ -65,8 +71,9 @@ class CodeDocument:
             raise OutputError("is read-only here", where=self.path, hint="copy it into the project to edit it")
         if self.conflict or not (self.dirty or self.gone):
             return False
-        data = self.text.replace("\n", "\r\n") if self._crlf else self.text
-        write_bytes(self.path, data.encode("utf-8"))
+        data = join_ends(self.text, *self._read_as)
+        write_bytes(self.path, data.encode("utf-8-sig" if self._bom else "utf-8"))
+        self._read_as = split_ends(data)
         self._stamp, self.saved, self.gone = stamp(self.path), self.text, False
         return True
 
@@ -111,11 +118,13 @@ class CodeDocument:
         try:
             if seen is not None and seen[1] > MAX_BYTES:
                 raise InputError(f"is larger than {MAX_BYTES >> 20} MiB", where=self.path, hint="this is no shader")
-            text = self.path.read_bytes().decode("utf-8-sig")
+            data = self.path.read_bytes()
+            text = data.decode("utf-8-sig")
         except UnicodeDecodeError as error:
             raise InputError(f"is not UTF-8 text: {error.reason} at byte {error.start}", where=self.path) from error
         except OSError as error:
             raise InputError(f"cannot be read: {error.strerror or error}", where=self.path) from error
         self._stamp = seen
-        self._crlf = "\r\n" in text
-        return text.replace("\r\n", "\n").replace("\r", "\n")
+        self._bom = data.startswith(BOM_UTF8)
+        self._read_as = split_ends(text)
+        return self._read_as[0]

@@ -19,6 +19,8 @@ class CodeFiles:
         self.front: CodeDocument | None = None
         self.cursor: tuple[int, int] | None = None
         self.focused = False
+        #: open the search over the text in front
+        self.find = False
         #: bring the front document's tab forward
         self.raise_tab = False
 

@@ -14,12 +14,13 @@ _STAGE = re.compile(r" \[\w+ stage(?: of '[^']*')?\]$")
 _FURTHER = re.compile(r"^(?P<file>\S.*?):(?P<line>\d+)(?::(?P<column>\d+))?: (?P<text>.*)$")
 
 #: what the picture shows meanwhile
-PREVIOUS, MAGENTA, IGNORED, BUILT_IN = "previous", "magenta", "ignored", "built-in"
+PREVIOUS, MAGENTA, IGNORED, BUILT_IN, NONFINITE = "previous", "magenta", "ignored", "built-in", "nonfinite"
 STATES = {
     PREVIOUS: "running previous version",
     MAGENTA: "drawn in magenta",
     IGNORED: "left out",
     BUILT_IN: "running the built-in version",
+    NONFINITE: "not finite",
 }
 
 

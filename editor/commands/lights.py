@@ -1,63 +1,92 @@
-"""Edits that make many lights: scattered over a box, or whatever is selected repeated along three steps."""
+"""Edits that make many lights: scattered over a box, or whatever is selected repeated in a line, grid or ring."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import NDArray
 
 from editor.commands.structure import change, copy_nodes, tops
-from engine.core.errors import InputError
+from engine.scene.arrays import ArraySettings, check_total, moves, placed
+from engine.scene.drift import drift_clip
 from engine.scene.scatter import ScatterSettings, scatter_lights
 
 if TYPE_CHECKING:
     from editor.document import Document
 
-#: nodes that an array may make
-MOST_COPIES = 5_000
+#: the table under which a document's overrides keep what drifts: (table, "distance", top row) -> (metres, seed)
+DRIFTS = "drifts"
 
 
 def scatter(document: Document, settings: ScatterSettings) -> None:
-    """Scatter lights over the box of the selection, or of the whole scene; one entry, their parent selected."""
+    """Scatter lights over the settings' own box, that of the selection, or that of the whole scene; one entry, their
+    parent selected. Drifting ones move as soon as time goes on; the clip is written when the scene is saved."""
+    low, high = box_of(document)
+
+    def make() -> list[int]:
+        top = scatter_lights(document.runtime.scene, settings, low, high)
+        if settings.drift > 0.0:
+            document.overrides[DRIFTS, "distance", top] = (settings.drift, settings.seed)
+        return [top]
+
+    change(document, f"Scatter {settings.count} lights", make)
+
+
+def box_of(document: Document) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The world box (low, high) of the selection, or of the whole scene; a metre each way where that is empty."""
     low, high = document.bounds(document.selection) if document.selection else document.bounds()
     if not (np.isfinite(low).all() and np.isfinite(high).all()) or (high <= low).all():
-        low, high = np.full(3, -1.0), np.full(3, 1.0)  # an empty scene
-    change(
-        document, f"Scatter {settings.count} lights",
-        lambda: [scatter_lights(document.runtime.scene, settings, low, high)],
-    )  # fmt: skip
+        low, high = np.full(3, -1.0), np.full(3, 1.0)
+    return low, high
 
 
-def array(document: Document, rows: Sequence[int], counts: Sequence[int], step: ArrayLike) -> None:
-    """Repeat nodes, with all below them, `counts` [3] times along world X, Y and Z, `step` f8[3] metres apart.
+def follow_drifts(document: Document) -> None:
+    """Let the runtime play the drifts that the document has now: after a structural edit, an undo, a redo."""
+    runtime: Any = document.runtime
+    playing: dict[Any, Any] | None = getattr(runtime, "beside", None)
+    if playing is None:
+        return
+    generation = runtime.scene.nodes.generation
+    wanted = {
+        (DRIFTS, top, int(generation[top]), *values): (top, *values)
+        for (table, _column, top), values in document.overrides.items()
+        if table == DRIFTS
+    }
+    for key in [k for k in playing if k[0] == DRIFTS and k not in wanted]:
+        runtime.play_beside(key, None)
+    for key, (top, distance, seed) in wanted.items():
+        if key not in playing:
+            runtime.play_beside(key, drift_clip(runtime.scene, top, distance, seed))
 
-    The originals are the first of them. One entry, all selected. Raises InputError for more than MOST_COPIES nodes.
-    """
+
+def array(document: Document, rows: Sequence[int], settings: ArraySettings) -> None:
+    """Repeat nodes, with all below them, in a line, a grid or a ring; the originals are the first of it.
+
+    One entry, all selected. Raises InputError for too many nodes."""
     nodes = document.runtime.scene.nodes
     heads = tops(document, rows)
-    places = np.stack(np.meshgrid(*[np.arange(max(int(c), 1)) for c in counts], indexing="ij"), -1).reshape(-1, 3)[1:]
-    total = len(places) * sum(len(document.subtree(head)) for head in heads)
-    if total > MOST_COPIES:
-        raise InputError(f"an array of {total:,} nodes", hint=f"{MOST_COPIES:,} can be made at once")
-    offsets = places * np.asarray(step, np.float64)
+    check_total((settings.total - 1) * sum(len(document.subtree(head)) for head in heads))
+    at = np.mean([nodes.world_matrix(head)[:3, 3] for head in heads], axis=0)
+    turned = settings.shape == "ring" and settings.turn
 
     def make() -> list[int]:
         made = list(heads)
-        for offset in offsets:
-            copies = copy_nodes(document, heads)
-            for old, new in zip(heads, copies, strict=True):
-                parent = int(nodes.parent[old])
-                local = offset if parent < 0 else np.linalg.solve(nodes.world_matrix(parent)[:3, :3], offset)
-                if nodes.has_matrix[new]:
-                    matrix = nodes.local_matrix(new)
-                    matrix[:3, 3] += local
-                    nodes.set_matrix(new, matrix)
+        while len(made) < settings.total * len(heads):  # twice as many a turn
+            made += copy_nodes(document, made[: settings.total * len(heads) - len(made)])
+        above = [np.eye(4) if nodes.parent[h] < 0 else nodes.world_matrix(int(nodes.parent[h])) for h in heads]
+        news = iter(made[len(heads) :])
+        for move in moves(settings, at):
+            for old, parent in zip(heads, above, strict=True):
+                new, local = next(news), placed(move, nodes.local_matrix(old), parent)
+                if turned:
+                    nodes.set_matrix(new, local)
+                elif nodes.has_matrix[new]:
+                    nodes.set_matrix(new, np.hstack([nodes.local_matrix(new)[:, :3], local[:, 3:]]))
                 else:
-                    nodes.set_translation([new], [nodes.translation[old] + local])
-            made += copies
+                    nodes.set_translation([new], [local[:3, 3]])
         return made
 
-    if len(offsets):
-        change(document, f"Array of {len(places) + 1}", make)
+    if settings.total > 1:
+        change(document, f"{settings.shape.capitalize()} of {settings.total}", make)

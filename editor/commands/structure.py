@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from engine.animation.pose import BIND_WORLD
 from engine.assets.clip_nodes import clip_number
 from engine.assets.scene import CameraAsset, LightAsset
 from engine.core.errors import InputError
@@ -75,6 +76,7 @@ def change(document: Document, label: str, make: Callable[[], Sequence[int]]) ->
         raise
     patch = difference(scene, before)
     living = {name: getattr(scene, name).alive for name in ("nodes", "lights", "cameras")}
+    living["drifts"] = living["nodes"]
     kept = {k: v for k, v in document.overrides.items() if k[0] not in living or living[k[0]][k[2]]}
     document.history.do(StructureCommand(patch, (selected, after), (overrides, kept), label))
 
@@ -150,9 +152,9 @@ def delete(document: Document, rows: Sequence[int]) -> None:
 def duplicate(document: Document, rows: Sequence[int]) -> None:
     """Copy nodes with everything below and on them, beside the originals, and select the copies.
 
-    A copy of a skinned mesh hangs on the copies of those joints that are copied too, else on the same ones, and so
-    moves with the original. Whatever clips move below `rows` they move in the copies too; the copies of `rows`
-    themselves stay where they are put, and take only morph weights."""
+    A copy of a skinned mesh hangs on the copies of those joints that are copied too, else on the same ones: then it is
+    posed with the original, and stands off from it by as much as it is moved. Whatever clips move below `rows` they
+    move in the copies too, and the copies of `rows` themselves about the places where they are put."""
     what = _what(document, rows)
     change(document, f"Duplicate {what}", lambda: copy_nodes(document, tops(document, rows)))
 
@@ -186,13 +188,14 @@ def copy_nodes(document: Document, heads: Sequence[int]) -> list[int]:
 
 
 def _follow_clips(scene: Any, olds: Sequence[int], news: Sequence[int], heads: Collection[int]) -> None:
-    """Let clips move the nodes `news` as they move `olds`; copies of `heads` are placed by hand."""
+    """Let clips move the nodes `news` as they move `olds`; copies of `heads` about places of their own."""
     index_of = {row: i for i, row in enumerate(scene.row_of_node.tolist()) if row >= 0}
     for old, new in zip(olds, news, strict=True):
         source = scene.sources.get(old)
         number = index_of.get(old, -1) if source is None else clip_number(source, index_of.get(old, -1))
         if number >= 0 and source is not None:
-            scene.sources[new] = replace(source, clip_node=number, placed=source.placed or old in heads)
+            placed = source.placed or old in heads
+            scene.sources[new] = replace(scene.sources.get(new, source), clip_node=number, placed=placed)
 
 
 def _copy_contents(scene: Any, olds: NDArray[np.int64], news: NDArray[np.int64]) -> None:
@@ -227,8 +230,21 @@ def _copy_contents(scene: Any, olds: NDArray[np.int64], news: NDArray[np.int64])
         joints = np.where(new_of[skins.joint[part]] >= 0, new_of[skins.joint[part]], skins.joint[part])
         follow = skins.follow[skin]
         bound = None if np.isnan(follow[0, 0]) else np.linalg.inv(follow)
+        if bound is None and (new_of[skins.joint[part]] < 0).all():
+            bound = _stand_off(scene, int(skins.node[skin]), int(new_of[skins.node[skin]]))
         made = skins.add(int(new_of[skins.node[skin]]), joints, bind, skins.reach[part], bound)
         skins.set_method(made, skins.method(skin))
+
+
+def _stand_off(scene: Any, old: int, new: int) -> NDArray[np.float64]:
+    """Let the skinned mesh of `new`, which has no joints of its own, also move as its node does from where it is now.
+    Returns the node's place."""
+    bound: NDArray[np.float64] = scene.nodes.world_matrix(old)
+    source = scene.sources.get(new)
+    if source is not None:
+        extras = {**source.extras, BIND_WORLD: bound.T.reshape(16).tolist()}
+        scene.sources[new] = replace(source, extras=extras)
+    return bound
 
 
 def group(document: Document, rows: Sequence[int]) -> None:

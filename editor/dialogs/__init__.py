@@ -15,11 +15,12 @@ class Dialogs:
     """All of them, with their state."""
 
     def __init__(self) -> None:
-        from editor.dialogs import cards, files, modals, palette, pick_list, recovery
+        from editor.dialogs import cards, choose, files, modals, palette, pick_list, recovery
 
         self.parts = (
             files.FileDialog(saving=False),
             files.FileDialog(saving=True),
+            choose.ChooseDialog(),
             modals.ProgressModal(),
             modals.DiscardModal(),
             cards.WelcomeCard(),

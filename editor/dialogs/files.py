@@ -19,6 +19,7 @@ class FileDialog:
     def __init__(self, *, saving: bool) -> None:
         self.saving = saving
         self.name = "Save scene as" if saving else "Open"
+        self.has_recent = not saving
         self.folder = Path.cwd()
         self.file = ""
         self.show_all = False
@@ -27,11 +28,7 @@ class FileDialog:
         self._replace: Path | None = None
 
     def draw(self, ui: Ui) -> None:
-        requests = ui.session.ui
-        if requests.save_dialog if self.saving else requests.open_dialog:
-            requests.save_dialog, requests.open_dialog = (
-                (False, requests.open_dialog) if self.saving else (requests.save_dialog, False)
-            )
+        if self._asked(ui):
             self._start(ui)
             imgui.open_popup(self.name)
         viewport = imgui.get_main_viewport()
@@ -54,6 +51,20 @@ class FileDialog:
         if imgui.is_key_pressed(imgui.Key.escape):
             imgui.close_current_popup()
         imgui.end_popup()
+
+    def _asked(self, ui: Ui) -> bool:
+        """Whether somebody asked for it since the last frame."""
+        requests = ui.session.ui
+        asked = requests.save_dialog if self.saving else requests.open_dialog
+        if self.saving:
+            requests.save_dialog = False
+        else:
+            requests.open_dialog = False
+        return asked
+
+    def _shows(self, entry: Entry) -> bool:
+        """Whether a file is listed before "all files" is ticked."""
+        return can_open(entry)
 
     def _start(self, ui: Ui) -> None:
         self._replace = None
@@ -84,7 +95,7 @@ class FileDialog:
         for name, place in (("Home", home), ("Working folder", Path.cwd())):
             if imgui.selectable(f"{icons.FOLDER}  {name}", self.folder == place)[0]:
                 self.folder = place
-        if ui.session.preferences.recent and not self.saving:
+        if ui.session.preferences.recent and self.has_recent:
             imgui.separator_text("Recent")
             for recent in ui.session.preferences.recent:
                 path = Path(recent)
@@ -98,7 +109,7 @@ class FileDialog:
     def _files(self, ui: Ui) -> None:
         assert self._listing is not None
         imgui.begin_child("files", (0, 0), imgui.ChildFlags_.borders)
-        rows = [e for e in self._listing.entries(self.folder) if e.kind == "folder" or self.show_all or can_open(e)]
+        rows = [e for e in self._listing.entries(self.folder) if e.kind == "folder" or self.show_all or self._shows(e)]
         if not rows:
             text("Nothing here that can be opened", theme.DIM)
         clipper = imgui.ListClipper()

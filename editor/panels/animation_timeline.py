@@ -1,7 +1,8 @@
 """Timeline: tracks with clips as blocks, markers, in and out points; the dope sheet and curves of a clip beside it.
 
 Drag a block to move it, its ends to trim, its upper corners to fade; overlapping blocks cross-fade. Each drag is one
-undo entry. The wheel zooms, Shift and the wheel or the middle button move along, a drag in the ruler scrubs.
+undo entry. The wheel zooms (over the names: scrolls), Shift and the wheel or the middle button move along, a drag in
+the ruler scrubs, the brackets at its lower edge are the in and out points.
 """
 
 from __future__ import annotations
@@ -10,16 +11,19 @@ import math
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+import numpy as np
 from imgui_bundle import imgui
 
 from editor import icons, theme
 from editor.animating.editing import AnimationEditor
-from editor.animating.following import animation_of, drive_of, runtime_of
+from editor.animating.following import animation_of, drive_of
 from editor.panels.base import Panel
 from editor.panels.timeline_canvas import GRIP, Canvas, begin_canvas, draw_playhead, draw_ruler, snapped
+from editor.panels.timeline_menus import draw_clips, draw_menu, draw_rate, draw_root
 from editor.panels.timeline_pages import draw_curves, draw_dope, shown_clip
 from editor.ui import Ui
-from editor.widgets import cut, em, empty_state, flow, icon_button, search_field, text, tooltip
+from editor.widgets import cut, em, empty_state, flow, icon_button, search_field, tooltip
+from engine.animation.blend import fade
 from engine.core.errors import LucarnaError
 
 PAGES = (("tracks", "Tracks"), ("dope", "Dope sheet"), ("curves", "Curves"))
@@ -34,8 +38,8 @@ PALETTE = (
 
 @dataclass(slots=True)
 class Grab:
-    """What is being dragged: `kind` move | left | right | fade_in | fade_out | marker | scrub; `offset`: seconds from
-    the pointer to what it holds; `token` makes the drag one undo entry."""
+    """What is being dragged: `kind` move | left | right | fade_in | fade_out | marker | scrub | in | out; `offset`:
+    seconds from the pointer to what it holds; `token` makes the drag one undo entry."""
 
     kind: str
     track: int = -1
@@ -52,7 +56,11 @@ class TimelinePanel(Panel):
     def __init__(self) -> None:
         self.grab: Grab | None = None
         self._count = 0
+        #: in and out points, seconds
+        self._range = (0.0, 0.0)
         self._first_row = 0.0
+        #: imgui units by which the tracks are scrolled
+        self._scrolled = 0.0
         #: the last canvas: where tests find blocks
         self.canvas: Canvas | None = None
 
@@ -71,14 +79,12 @@ class TimelinePanel(Panel):
         if page == "tracks":
             self._tracks(ui, editor, canvas)
         else:
-            clip = shown_clip(session)
-            if page == "dope" and clip is not None:
-                count = draw_dope(ui, canvas, clip, self._first_row)
-                io = imgui.get_io()
-                if imgui.is_item_hovered() and io.mouse_wheel and io.mouse_pos.x < canvas.left:
-                    self._first_row = min(max(self._first_row - 3 * io.mouse_wheel, 0.0), max(count - 3.0, 0.0))
-            elif clip is not None:
-                draw_curves(ui, canvas, clip)
+            shown = shown_clip(session)
+            if page == "dope" and shown is not None:
+                count = draw_dope(ui, canvas, shown, self._first_row)
+                self._first_row = min(max(self._first_row - 3 * _wheel_over_names(canvas), 0.0), max(count - 3.0, 0.0))
+            elif shown is not None:
+                draw_curves(ui, canvas, shown)
             self._drag(ui, editor, canvas)
         draw_playhead(session, canvas)
 
@@ -99,11 +105,13 @@ class TimelinePanel(Panel):
                     self._try(ui, lambda key=key: editor.drive(key))
             imgui.end_combo()
         tooltip("What poses the scene: its clips, the tracks below, or the state graph")
+        flow(em(4.6), 0.4)
+        draw_rate(ui)
         flow(em(9), 0.4)
-        self._clips(ui, editor)
+        draw_clips(ui, editor)
         if view.page == "tracks":
             flow(em(4), 0.4)
-            if icon_button(f"{icons.ADD} Track", "Add a track over the others"):
+            if icon_button(f"{icons.ADD} Track", "Add a track over the others: its blocks lie over theirs"):
                 self._try(ui, lambda: editor.add_track())
             flow(em(2), 0.2)
             if icon_button(f"{icons.MARK}##marker", "Add a marker here  Shift+M"):
@@ -119,37 +127,14 @@ class TimelinePanel(Panel):
         flow(em(2), 0.2)
         if icon_button(f"{icons.GHOST}##ghosts", "Onion skin  Shift+G", active=view.ghosts > 0):
             ui.operations.run("animation.ghosts", session)
-        if animation_of(session) is not None and animation_of(session).model.root:
-            flow(em(2), 0.2)
-            on = runtime_of(session).deck.root_motion
-            if icon_button(f"{icons.PATH}##root", "Root motion", active=on):
-                ui.operations.run("animation.root-motion", session)
+        flow(em(2), 0.2)
+        draw_root(ui, editor)
         if view.page != "tracks":
             flow(em(12), 0.4)
             imgui.begin_group()
             imgui.set_next_item_width(em(12))
             view.search = search_field("##search", view.search, "Filter channels")
             imgui.end_group()
-
-    def _clips(self, ui: Ui, editor: AnimationEditor) -> None:
-        """A list of the scene's clips: to play one, or to add it to the chosen track."""
-        session = ui.session
-        runtime = runtime_of(session)
-        active = [runtime.clips[i].name for i in runtime.deck.active]
-        tracks = drive_of(session) == "timeline"
-        imgui.set_next_item_width(em(9))
-        if imgui.begin_combo("##clips", "Add a clip…" if tracks else (", ".join(active) or "No clip")):
-            for i, clip in enumerate(runtime.clips):
-                if imgui.selectable(f"{clip.name}   {clip.duration:.2f} s##{i}", clip.name in active)[0]:
-                    if tracks:
-                        at = max(session.animating.track, 0)
-                        self._try(ui, lambda at=at, name=clip.name: editor.add_block(name, at))
-                    elif imgui.get_io().key_ctrl and clip.name not in active:
-                        runtime.play(*active, clip.name)
-                    else:
-                        runtime.play(clip.name)
-            imgui.end_combo()
-        tooltip("Adds to the selected track" if tracks else "Ctrl: play it over those that play already")
 
     # -- tracks -------------------------------------------------------------------------------------------------------
 
@@ -158,11 +143,16 @@ class TimelinePanel(Panel):
         animation = animation_of(session)
         model = animation.model if animation is not None else None
         if model is None or not model.tracks:
-            text_at(canvas, 0, "No animation yet: add a track, or choose “Play timeline”")
+            text_at(canvas, 0, "No tracks yet: add one, or choose “Play timeline”")
             self._drag(ui, editor, canvas)
+            draw_menu(ui, editor)
             return
         lines = imgui.get_window_draw_list()
         keys = list(model.clips)
+        hidden = max(len(model.tracks) * em(ROW) - (canvas.height - canvas.ruler), 0.0)
+        self._scrolled = min(max(self._scrolled - em(ROW) * _wheel_over_names(canvas), 0.0), hidden)
+        top = canvas.y + canvas.ruler
+        lines.push_clip_rect((canvas.x, top), (canvas.x + canvas.width, canvas.y + canvas.height), True)
         for i, track in enumerate(model.tracks):
             y = self._row_y(canvas, len(model.tracks), i)
             self._track_row(ui, canvas, track, i, y)
@@ -171,27 +161,32 @@ class TimelinePanel(Panel):
                 chosen = (i, j) == (session.animating.track, session.animating.block)
                 draw_block(canvas, block, y, PALETTE[keys.index(block.clip) % len(PALETTE)], chosen, track.muted)
             lines.pop_clip_rect()
+        lines.pop_clip_rect()
         self._markers(ui, canvas, model)
         self._drag(ui, editor, canvas)
-        self._menu(ui, editor)
+        draw_menu(ui, editor)
 
     def _row_y(self, canvas: Canvas, count: int, track: int) -> float:
         """The last track lies on top, as it does in the picture."""
-        return canvas.y + canvas.ruler + (count - 1 - track) * em(ROW)
+        return canvas.y + canvas.ruler - self._scrolled + (count - 1 - track) * em(ROW)
 
     def _track_row(self, ui: Ui, canvas: Canvas, track: Any, number: int, y: float) -> None:
         lines, view = imgui.get_window_draw_list(), ui.session.animating
         chosen = number == view.track
         fill = (*theme.ACCENT[:3], 0.10) if chosen else (1, 1, 1, 0.02 + 0.02 * (number % 2))
         lines.add_rect_filled((canvas.x, y), (canvas.x + canvas.width, y + em(ROW) - 1), theme.u32(fill))
-        lines.push_clip_rect((canvas.x, y), (canvas.left - 4, y + em(ROW)), True)
-        color = theme.FAINT if track.muted else theme.TEXT
-        lines.add_text((canvas.x + em(0.4), y + em(0.1)), theme.u32(color), track.name)
+        color, room = theme.FAINT if track.muted else theme.TEXT, canvas.names - em(2.2)
         parts = [track.mode if track.mode != "override" else "", f"mask {track.mask}" if track.mask else ""]
         parts += [f"{track.weight:.0%}" if track.weight != 1.0 else "", "muted" if track.muted else ""]
-        about = " · ".join(part for part in parts if part)
-        lines.add_text((canvas.x + em(0.4), y + em(1.15)), theme.u32(theme.DIM), about or "override")
-        lines.pop_clip_rect()
+        about = " · ".join(part for part in parts if part) or "override"
+        lines.add_text((canvas.x + em(0.4), y + em(0.1)), theme.u32(color), cut(track.name, room))
+        lines.add_text((canvas.x + em(0.4), y + em(1.15)), theme.u32(theme.DIM), cut(about, room + em(1.4)))
+        eye = icons.HIDDEN if track.muted else icons.VISIBLE
+        lines.add_text((canvas.left - em(1.6), y + em(0.15)), theme.u32(theme.DIM if not track.muted else color), eye)
+        mouse = imgui.get_io().mouse_pos
+        if imgui.is_item_hovered() and mouse.x < canvas.left and y <= mouse.y < y + em(ROW):
+            over_eye = mouse.x >= canvas.left - em(1.8)
+            imgui.set_tooltip("Play or mute this track" if over_eye else f"{track.name}\n{about}\nRight click for more")
 
     def _markers(self, ui: Ui, canvas: Canvas, model: Any) -> None:
         lines = imgui.get_window_draw_list()
@@ -223,8 +218,14 @@ class TimelinePanel(Panel):
             for k, marker in enumerate(model.markers):
                 if abs(canvas.px(marker.time) - x) < em(GRIP):
                     return Grab("marker", -1, k, marker.time - canvas.time(x))
+        if abs(y - canvas.y - canvas.ruler + em(0.25)) < em(0.25):
+            for kind, at in (("in", self._range[0]), ("out", self._range[1])):
+                if abs(canvas.px(at) - x) < em(GRIP):
+                    return Grab(kind, offset=at - canvas.time(x))
         if y < canvas.y + canvas.ruler or model is None or not canvas.holds(x, y):
-            return Grab("scrub" if x >= canvas.left else "name", track=self._track_at(canvas, model, y))
+            eye = canvas.left - em(1.8) <= x < canvas.left - 2 and y >= canvas.y + canvas.ruler
+            kind = "mute" if eye else "scrub" if x >= canvas.left else "name"
+            return Grab(kind, track=self._track_at(canvas, model, y))
         track = self._track_at(canvas, model, y)
         if track >= 0:
             top = self._row_y(canvas, len(model.tracks), track)
@@ -248,22 +249,28 @@ class TimelinePanel(Panel):
     def _track_at(self, canvas: Canvas, model: Any, y: float) -> int:
         if model is None or y < canvas.y + canvas.ruler:
             return -1
-        row = len(model.tracks) - 1 - int((y - canvas.y - canvas.ruler) // em(ROW))
+        row = len(model.tracks) - 1 - int((y - canvas.y - canvas.ruler + self._scrolled) // em(ROW))
         return row if 0 <= row < len(model.tracks) else -1
 
     def _drag(self, ui: Ui, editor: AnimationEditor, canvas: Canvas) -> None:
         session, io = ui.session, imgui.get_io()
         view = session.animating
         model = editor.model if view.page == "tracks" else None
+        self._range = (session.playback.start, session.playback.stop)
         if imgui.is_item_hovered() and self.grab is None:
             here = self._at(canvas, model, io.mouse_pos.x, io.mouse_pos.y)
-            if here.kind in ("left", "right", "fade_in", "fade_out"):
+            if here.kind in ("left", "right", "fade_in", "fade_out", "in", "out"):
                 imgui.set_mouse_cursor(imgui.MouseCursor_.resize_ew)
             if imgui.is_mouse_clicked(0) or imgui.is_mouse_clicked(1):
                 if here.track >= 0:
-                    view.track, view.block = here.track, here.block
+                    view.track, view.block = here.track, here.block if here.kind != "empty" else -1
+                elif here.kind == "empty":
+                    view.track = view.block = -1
                 view.marker = here.block if here.kind == "marker" else -1
-                if imgui.is_mouse_clicked(0) and here.kind not in ("name", "empty"):
+                if imgui.is_mouse_clicked(0) and here.kind == "mute" and here.track >= 0 and model:
+                    muted = model.tracks[here.track].muted
+                    self._try(ui, lambda: editor.set_track(here.track, muted=None if muted else True))
+                elif imgui.is_mouse_clicked(0) and here.kind not in ("name", "empty", "mute"):
                     self._count += 1
                     here.token = self._count
                     self.grab = here
@@ -284,6 +291,14 @@ class TimelinePanel(Panel):
         if grab.kind == "scrub":
             session.playback.playing = False
             session.seek(snapped(session, canvas, wanted, self._edges(editor, -1, -1)))
+            return
+        if grab.kind in ("in", "out"):
+            time = snapped(session, canvas, wanted, self._edges(editor, -1, -1))
+            low, high = session.playback.start, session.playback.stop
+            least = 1.0 / session.playback.frame_rate
+            low, high = (min(time, high - least), high) if grab.kind == "in" else (low, max(time, low + least))
+            session.playback.set_range(low, high)
+            session.seek(session.playback.time)
             return
         places = [*self._edges(editor, grab.track, grab.block), session.playback.time]
         time = max(snapped(session, canvas, wanted, places), 0.0)
@@ -323,94 +338,12 @@ class TimelinePanel(Panel):
             found += [m.time for k, m in enumerate(model.markers) if (track, block) != (-1, k)]
         return found
 
-    # -- menus --------------------------------------------------------------------------------------------------------
-
-    def _menu(self, ui: Ui, editor: AnimationEditor) -> None:
-        if not imgui.begin_popup("##what"):
-            return
-        view, model = ui.session.animating, editor.model
-        if view.marker >= 0 and view.marker < len(model.markers):
-            marker = model.markers[view.marker]
-            changed, name = imgui.input_text("Name", marker.name)
-            if changed and name:
-                self._try(ui, lambda: editor.set_marker(view.marker, name=name, gesture=("marker name", view.marker)))
-            if imgui.menu_item_simple("Delete marker"):
-                self._try(ui, lambda: editor.remove_marker(view.marker))
-                view.marker = -1
-        elif 0 <= view.track < len(model.tracks):
-            track = model.tracks[view.track]
-            if 0 <= view.block < len(track.blocks):
-                self._block_menu(ui, editor, track.blocks[view.block])
-                imgui.separator()
-            self._track_menu(ui, editor, track)
-        imgui.end_popup()
-
-    def _block_menu(self, ui: Ui, editor: AnimationEditor, block: Any) -> None:
-        view = ui.session.animating
-        at = (view.track, view.block)
-        text(block.clip, theme.DIM)
-        for name, low, high in (
-            ("speed", -4.0, 4.0),
-            ("offset", -10.0, 10.0),
-            ("fade_in", 0.0, block.length),
-            ("fade_out", 0.0, block.length),
-        ):
-            imgui.set_next_item_width(em(8))
-            changed, value = imgui.drag_float(name.replace("_", " "), getattr(block, name), 0.01, low, high, "%.3f")
-            if changed:
-                self._try(
-                    ui,
-                    lambda name=name, value=value: set_field(
-                        editor, at, name, float(value), gesture=("block", *at, name)
-                    ),
-                )
-        for name, choices in (
-            ("play", ("loop", "once", "ping-pong")),
-            ("curve", ("linear", "smooth", "smoother", "ease_in", "ease_out")),
-        ):
-            imgui.set_next_item_width(em(8))
-            changed, chosen = imgui.combo(name, choices.index(getattr(block, name)), list(choices))
-            if changed:
-                self._try(ui, lambda name=name, value=choices[chosen]: set_field(editor, at, name, value))
-        changed, sync = imgui.checkbox("in step with its neighbours", block.sync)
-        if changed:
-            self._try(ui, lambda: editor.set_block(*at, sync=sync or None))
-        if imgui.menu_item_simple("Split here", "Shift+S"):
-            ui.operations.run("animation.split", ui.session)
-        if imgui.menu_item_simple("Delete block"):
-            ui.operations.run("animation.delete-block", ui.session)
-
-    def _track_menu(self, ui: Ui, editor: AnimationEditor, track: Any) -> None:
-        number = ui.session.animating.track
-        text(f"Track {track.name}", theme.DIM)
-        changed, value = imgui.slider_float("weight", track.weight, 0.0, 1.0)
-        if changed:
-            self._try(ui, lambda: editor.set_track(number, weight=float(value), gesture=("track weight", number)))
-        masks = ["", *editor.model.masks]
-        changed, chosen = imgui.combo("mask", masks.index(track.mask), ["everything", *editor.model.masks])
-        if changed:
-            self._try(ui, lambda: editor.set_track(number, mask=masks[chosen] or None))
-        if imgui.menu_item("additive", "", track.mode == "additive")[0]:
-            self._try(ui, lambda: editor.set_track(number, mode="override" if track.mode == "additive" else "additive"))
-        if imgui.menu_item("muted", "", track.muted)[0]:
-            self._try(ui, lambda: editor.set_track(number, muted=None if track.muted else True))
-        if imgui.menu_item_simple("Move up"):
-            self._try(ui, lambda: editor.move_track(number, 1))
-        if imgui.menu_item_simple("Move down"):
-            self._try(ui, lambda: editor.move_track(number, -1))
-        if imgui.menu_item_simple("Delete track"):
-            self._try(ui, lambda: editor.remove_track(number))
-
     def _try(self, ui: Ui, change: Any) -> None:
         try:
             change()
         except LucarnaError as error:
             self.grab = None
             ui.session.fail(error)
-
-
-def set_field(editor: AnimationEditor, at: tuple[int, int], name: str, value: Any, gesture: Any = None) -> None:
-    editor.set_block(*at, gesture=gesture, **{name: value})
 
 
 def draw_block(canvas: Canvas, block: Any, y: float, color: theme.Rgba, chosen: bool, muted: bool) -> None:
@@ -421,20 +354,31 @@ def draw_block(canvas: Canvas, block: Any, y: float, color: theme.Rgba, chosen: 
     fill = (*color[:3], 0.3 if muted else 0.78)
     up, down = canvas.scale.scale * block.fade_in, canvas.scale.scale * block.fade_out
     up, down = min(up, right - left), min(down, right - left)
-    shape = [(left, bottom), (left + up, top), (max(right - down, left + up), top), (right, bottom)]
-    lines.add_convex_poly_filled([imgui.ImVec2(*p) for p in shape], theme.u32(fill))
+    steps = np.linspace(0.0, 1.0, 9)
+    levels = fade(steps, block.curve)
+    rise = [(left + up * u, bottom - (bottom - top) * v) for u, v in zip(steps.tolist(), levels.tolist(), strict=True)]
+    fall = [(right - down * (1.0 - u), top + (bottom - top) * v)
+            for u, v in zip(steps.tolist(), levels.tolist(), strict=True)]  # fmt: skip
+    rise, fall = rise if up > 0.0 else [rise[0], (left, top)], fall if down > 0.0 else [(right, top), fall[-1]]
+    lines.add_concave_poly_filled([imgui.ImVec2(*p) for p in (*rise, *fall)], theme.u32(fill))
     border = theme.u32(theme.ACCENT if chosen else (1, 1, 1, 0.25))
     lines.add_rect((left, top), (right, bottom), border, 2.0, 2.0 if chosen else 1.0)
     for x in (left + up, right - down):
         lines.add_circle_filled((x, top + 3), 3.0, theme.u32((1, 1, 1, 0.8 if chosen else 0.4)))
     lines.push_clip_rect((max(left, canvas.left), top), (right - 2, bottom), True)
     speed = f"  × {block.speed:g}" if block.speed != 1.0 else ""
+    speed += f"  {block.weight:.0%}" if block.weight != 1.0 else ""
     lines.add_text(
         (max(left, canvas.left) + em(0.4) + min(up, em(3)) * 0.5, top + em(0.35)),
         theme.u32(theme.TEXT),
         f"{block.clip}{speed}",
     )
     lines.pop_clip_rect()
+
+
+def _wheel_over_names(canvas: Canvas) -> float:
+    io = imgui.get_io()
+    return float(io.mouse_wheel) if imgui.is_item_hovered() and io.mouse_pos.x < canvas.left else 0.0
 
 
 def _marker_y(canvas: Canvas) -> float:

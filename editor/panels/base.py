@@ -7,6 +7,9 @@ from typing import ClassVar
 
 from editor.ui import Ui
 
+#: drag payload of a file from the assets panel; which one: session.ui.dragged
+ASSET = "asset"
+
 
 class Panel(ABC):
     """`title` names the window and keys its place in the saved layout; `dock` is one of layout.DOCKS."""

@@ -14,7 +14,7 @@ from editor.animating.following import animation_of
 from editor.panels.base import Panel
 from editor.param_widgets import filled_slider
 from editor.ui import Ui
-from editor.widgets import em, empty_state, icon_button, search_field, text, tooltip
+from editor.widgets import em, empty_state, fitted_text, icon_button, search_field, text, tooltip
 from engine.animation import mask as masks
 from engine.core.errors import LucarnaError
 
@@ -26,7 +26,7 @@ class MasksPanel(Panel):
     opened: ClassVar[bool] = False
 
     def __init__(self) -> None:
-        self.fall_off = 0
+        self._name = ""
 
     def draw(self, ui: Ui) -> None:
         session = ui.session
@@ -46,37 +46,82 @@ class MasksPanel(Panel):
         weights = mask_weights(session, view.mask)
         self._uncovered(ui, model, weights)
         view.bone_search = search_field("##bones", view.bone_search, "Find bones")
-        imgui.set_next_item_width(em(5))
-        self.fall_off = int(imgui.slider_int("fall-off", self.fall_off, 0, 8)[1])
-        tooltip("Over how many bones the mask rises from the bone that is clicked")
+        self._subtrees(ui, editor, model)
         if imgui.begin_child("##list"):
             self._bones(ui, editor, model, weights)
         imgui.end_child()
 
     def _choice(self, ui: Ui, editor: AnimationEditor, model: Any) -> None:
         view, names = ui.session.animating, list(model.masks)
-        imgui.set_next_item_width(em(8))
+        imgui.set_next_item_width(em(6))
         changed, chosen = imgui.combo("##mask", names.index(view.mask), names)
         if changed:
             view.mask = names[chosen]
-        imgui.same_line()
+        imgui.same_line(0, em(0.1))
         if icon_button(f"{icons.ADD}##mask-add", "New mask"):
             self._try(ui, lambda: setattr(view, "mask", editor.add_mask()))
-        imgui.same_line()
+        imgui.same_line(0, em(0.1))
         if icon_button(f"{icons.SELECT}##pick", "Click bones in the picture", active=view.picking_bone):
             view.picking_bone = not view.picking_bone
             view.skeleton = view.skeleton or view.picking_bone
-        imgui.same_line()
+        imgui.same_line(0, em(0.1))
+        if icon_button(f"{icons.RENAME}##rename-mask", "Rename the mask, wherever it is used"):
+            self._name = view.mask
+            imgui.open_popup("##rename")
+        self._rename(ui, editor)
+        imgui.same_line(0, em(0.1))
         folder = mask_folder(ui.session)
         if icon_button(f"{icons.SAVE}##save-mask", f"Save as {view.mask}.mask.toml in {folder.name}"):
             path = folder / f"{view.mask}.mask.toml"
             self._try(ui, lambda: editor.save_mask(view.mask, path))
             ui.session.ui.notice = f"Saved {path.name}"
-        imgui.same_line()
+        imgui.same_line(0, em(0.1))
         self._files(ui, editor)
-        imgui.same_line()
+        imgui.same_line(0, em(0.1))
         if icon_button(f"{icons.TRASH}##mask-delete", "Delete the mask"):
             self._try(ui, lambda: editor.remove_mask(view.mask))
+
+    def _subtrees(self, ui: Ui, editor: AnimationEditor, model: Any) -> None:
+        """The fall-off of what is clicked next, and what each subtree was given."""
+        view = ui.session.animating
+        imgui.set_next_item_width(em(6))
+        view.fall_off = int(imgui.slider_int("Fall-off", view.fall_off, 0, 8, "%d bones")[1])
+        tooltip("Over how many bones the mask rises from a bone that is clicked, here or in the picture")
+        for part in model.masks[view.mask].subtrees:
+            imgui.push_id(part.node)
+            for key, value, width, unit in (
+                ("weight", part.weight, 4.0, "%.2f"),
+                ("fall_off", part.fall_off, 4.0, "%d"),
+            ):
+                imgui.set_next_item_width(em(width))
+                if key == "weight":
+                    changed, new = imgui.drag_float("##weight", value, 0.01, 0.0, 1.0, unit)
+                else:
+                    changed, new = imgui.drag_int("##fall", value, 0.1, 0, 50, unit)
+                tooltip("Weight of the whole subtree" if key == "weight" else "Bones over which it rises")
+                if changed:
+                    wanted = {"weight": part.weight, "fall_off": part.fall_off, key: new}
+                    self._try(ui, lambda part=part, w=wanted: editor.mask_subtree(
+                        view.mask, part.node, round(float(w["weight"]), 3), int(w["fall_off"]),
+                        gesture=("subtree", part.node)))  # fmt: skip
+                imgui.same_line(0, em(0.3))
+            if icon_button(f"{icons.CLEAR}##out", "Take this subtree out of the mask"):
+                self._try(ui, lambda part=part: editor.unmask_subtree(view.mask, part.node))
+            imgui.same_line(0, em(0.3))
+            imgui.align_text_to_frame_padding()
+            fitted_text(part.node)
+            imgui.pop_id()
+
+    def _rename(self, ui: Ui, editor: AnimationEditor) -> None:
+        view = ui.session.animating
+        if imgui.begin_popup("##rename"):
+            _changed, self._name = imgui.input_text("Name", self._name)
+            if imgui.is_item_deactivated_after_edit() and self._name.strip() not in ("", view.mask):
+                self._try(ui, lambda: editor.rename("masks", view.mask, self._name.strip()))
+                if self._name.strip() in editor.model.masks:
+                    view.mask = self._name.strip()
+                imgui.close_current_popup()
+            imgui.end_popup()
 
     def _files(self, ui: Ui, editor: AnimationEditor) -> None:
         """The mask files of the project, or beside the scene, to be taken over."""
@@ -114,7 +159,8 @@ class MasksPanel(Panel):
         depth = np.zeros(len(rig), np.int64)
         for i in range(len(rig)):
             depth[i] = depth[rig.parent[i]] + 1 if rig.parent[i] >= 0 else 0
-        for i, name in enumerate(rig.names):
+        for i in tree_order(rig.parent):
+            name = rig.names[i]
             if view.bone_search.lower() not in name.lower():
                 continue
             imgui.push_id(i)
@@ -123,7 +169,7 @@ class MasksPanel(Panel):
             imgui.same_line(0, em(0.4) + (em(0.7) * int(depth[i]) if not view.bone_search else 0.0))
             mark = f"{icons.TREE} " if name in chosen else ""
             if imgui.selectable(f"{mark}{name}", name in chosen, 0, (imgui.get_content_region_avail().x - em(5), 0))[0]:
-                self._try(ui, lambda name=name: toggle(editor, view.mask, name, self.fall_off))
+                self._try(ui, lambda name=name: toggle(editor, view.mask, name, view.fall_off))
             tooltip("Click: it and all below follow, or no longer. The slider sets this bone alone")
             imgui.same_line()
             imgui.set_next_item_width(em(4.5))
@@ -131,6 +177,7 @@ class MasksPanel(Panel):
             if changed:
                 self._try(ui, lambda name=name, value=value: editor.mask_bone(
                     view.mask, name, round(float(value), 3), gesture=("bone", name)))  # fmt: skip
+            tooltip("This bone alone. Right click: as its subtree says" if name in own else "This bone alone")
             if name in own and imgui.is_item_clicked(imgui.MouseButton_.right):
                 self._try(ui, lambda name=name: editor.mask_bone(view.mask, name, None))
             imgui.pop_id()
@@ -149,6 +196,20 @@ class MasksPanel(Panel):
             change()
         except LucarnaError as error:
             ui.session.fail(error)
+
+
+def tree_order(parents: Any) -> list[int]:
+    """The nodes of a rig, each before what hangs on it and that before the next: as a tree is read."""
+    children: dict[int, list[int]] = {}
+    for i, up in enumerate(parents):
+        children.setdefault(int(up), []).append(i)
+    order: list[int] = []
+    waiting = list(reversed(children.get(-1, [])))
+    while waiting:
+        node = waiting.pop()
+        order.append(node)
+        waiting += reversed(children.get(node, []))
+    return order
 
 
 def mask_folder(session: Any) -> Path:

@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+import time
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from editor.opening import SKIPPED_FOLDERS
+from editor.thumbnail_maker import sort_of
 
 ENTRY_LIMIT = 5000
+#: how many files a search lists, how many it looks at, and how long what was found stands, seconds
+FOUND_LIMIT, LOOK_LIMIT, STANDS = 1000, 20_000, 1.0
+#: and how many times what the search took
+PATIENCE = 30.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,6 +50,42 @@ class FolderListing:
     def __init__(self, extensions: Sequence[str]) -> None:
         self.extensions = tuple(extensions)
         self._cache: dict[Path, tuple[int, list[Entry]]] = {}
+        self._stamps: dict[Path, tuple[float, tuple[int, int]]] = {}
+        self._found: tuple[object, float, list[Entry]] = (None, 0.0, [])
+
+    def stamp(self, path: Path) -> tuple[int, int]:
+        """(modification time in ns, size) of a file, not older than STANDS; (0, 0) where it is gone."""
+        now = time.monotonic()
+        known = self._stamps.get(path)
+        if known is None or now - known[0] > STANDS:
+            try:
+                info = path.stat()
+                known = (now, (info.st_mtime_ns, info.st_size))
+            except OSError:
+                known = (now, (0, 0))
+            self._stamps[path] = known
+        return known[1]
+
+    def find(self, root: Path, needle: str, sort: str) -> list[Entry]:
+        """All files under `root` whose name holds `needle` and that are of that sort ('' = any), by path."""
+        key, now = (root, needle.lower(), sort), time.monotonic()
+        if key != self._found[0] or now > self._found[1]:
+            found: list[Entry] = []
+            for looked, entry in enumerate(self._walk(root, 0)):
+                if needle.lower() in entry.name.lower() and sort in ("", sort_of(entry.name)):
+                    found.append(entry)
+                if len(found) >= FOUND_LIMIT or looked >= LOOK_LIMIT:
+                    break
+            done = time.monotonic()
+            self._found = (key, done + max(STANDS, PATIENCE * (done - now)), found)
+        return self._found[2]
+
+    def _walk(self, folder: Path, depth: int) -> Iterator[Entry]:
+        for entry in self.entries(folder):
+            if entry.kind != "folder":
+                yield entry
+            elif depth < 24:  # beyond is a loop of links
+                yield from self._walk(entry.path, depth + 1)
 
     def entries(self, folder: Path) -> list[Entry]:
         """Folders first, then files, by name without case; hidden ones left out; [] where it cannot be read."""

@@ -15,13 +15,16 @@ from editor.panels.base import Panel
 from editor.panels.inspector_deforming import draw_deforming
 from editor.panels.inspector_fields import CAMERA, LOOK, SLOW_OF_SKY, environment_fields
 from editor.panels.inspector_light import LightEditor
-from editor.panels.inspector_material import draw_material
+from editor.panels.inspector_material import draw_materials
 from editor.param_widgets import param_row
 from editor.rotation import euler_from_quaternion, quaternion_from_euler
 from editor.ui import Ui
+from editor.vector_field import drag3
 from editor.widgets import bold, em, empty_state, icon_button, property_grid, property_row, property_text, section, text
 from engine.core.param import Param
 
+#: of more nodes than this, the angles are not compared
+MIXED_LIMIT = 64
 LABELS = {"translation": "Move", "rotation": "Rotate", "scale": "Scale"}
 
 
@@ -75,9 +78,7 @@ class InspectorPanel(Panel):
         for camera in np.flatnonzero(np.asarray(scene.cameras.node) == row):
             if section(ui, f"{icons.CAMERA}  Camera"):
                 self._fields(ui, document, "cameras", int(camera), CAMERA)
-        materials = dict.fromkeys(int(scene.instances.material[i]) for i in instances)
-        for material in materials:
-            draw_material(ui, document, material)
+        draw_materials(ui, document)
 
     def _transform(self, ui: Ui, document: Document, row: int) -> None:
         nodes = document.runtime.scene.nodes
@@ -90,14 +91,28 @@ class InspectorPanel(Panel):
             )
             quaternion = tuple(float(v) for v in nodes.rotation[row])
             property_row("Rotation", "Degrees about X, then Y, then Z")
-            changed, angles = imgui.drag_float3("##rotation", list(self._angles(row, quaternion)), 0.5, 0, 0, "%.1f°")
-            if changed:
-                wanted = quaternion_from_euler(tuple(float(a) for a in angles))
-                self._edit(ui, document, "rotation", [wanted] * len(document.selection))
-                stored = tuple(float(v) for v in nodes.rotation[row])
-                self._euler[row] = (stored, (float(angles[0]), float(angles[1]), float(angles[2])))
+            self._rotation(ui, document, row, quaternion)
             self._vector(ui, document, row, "scale", "Scale", "Factor along each own axis", 0.005, "%.3f")
         imgui.spacing()
+
+    def _rotation(self, ui: Ui, document: Document, row: int, quaternion: tuple[float, ...]) -> None:
+        """The angles; of several nodes those that differ show a dash, and only the edited one is set for all."""
+        nodes = document.runtime.scene.nodes
+        rows = document.selection[-MIXED_LIMIT:]
+        all_angles = {r: self._angles(r, tuple(float(v) for v in nodes.rotation[r])) for r in rows}
+        shown = all_angles.get(row) or self._angles(row, quaternion)
+        mixed = [any(abs(angles[i] - shown[i]) > 0.05 for angles in all_angles.values()) for i in range(3)]
+        new, touched = drag3("##rotation", shown, 0.5, "%.1f°", mixed)
+        if not any(touched):
+            return
+        wanted = {}
+        for r in document.selection:
+            own = all_angles.get(r) or self._angles(r, tuple(float(v) for v in nodes.rotation[r]))
+            x, y, z = (n if t else o for n, t, o in zip(new, touched, own, strict=True))
+            wanted[r] = (x, y, z)
+        self._edit(ui, document, "rotation", [quaternion_from_euler(wanted[r]) for r in document.selection])
+        for r, angles in wanted.items():
+            self._euler[r] = (tuple(float(v) for v in nodes.rotation[r]), angles)
 
     def _angles(self, row: int, quaternion: tuple[float, ...]) -> tuple[float, float, float]:
         known = self._euler.get(row)
@@ -109,14 +124,14 @@ class InspectorPanel(Panel):
         self, ui: Ui, document: Document, row: int, column: str, label: str, doc: str, speed: float, format: str
     ) -> None:
         value = [float(v) for v in getattr(document.runtime.scene.nodes, column)[row]]
-        property_row(label, doc, changed=self._mixed(document, column))
-        changed, edited = imgui.drag_float3(f"##{column}", value, speed, 0, 0, format)
-        new = tuple(float(v) for v in edited)
-        if changed and all(math.isfinite(v) for v in new):
+        mixed = self._mixed(document, column)
+        property_row(label, f"{doc}\nThe selected ones differ" if any(mixed) else doc, changed=any(mixed))
+        new: tuple[float, ...]
+        new, touched = drag3(f"##{column}", value, speed, format, mixed)
+        if any(touched) and all(math.isfinite(v) for v in new):
             if column == "scale":  # a zero scale has no inverse, and nothing to see
                 new = tuple(v if abs(v) > 1e-6 else math.copysign(1e-6, v) for v in new)
             old = document.tables["nodes"].read(column, document.selection)
-            touched = [a != b for a, b in zip(new, value, strict=True)]
             rows = [tuple(n if t else o for n, o, t in zip(new, own, touched, strict=True)) for own in old]
             self._edit(ui, document, column, rows)
 
@@ -135,10 +150,10 @@ class InspectorPanel(Panel):
             ui.session.edit("nodes", column, rows, values, gesture=("nodes", column, rows), label=label)
 
     @staticmethod
-    def _mixed(document: Document, column: str) -> bool:
-        """Whether the selected nodes have different values: what is edited is set for all of them."""
+    def _mixed(document: Document, column: str) -> list[bool]:
+        """Which components differ among the selected nodes: what is edited is set for all of them."""
         values = getattr(document.runtime.scene.nodes, column)[list(document.selection)]
-        return bool((values != values[:1]).any())
+        return [bool(differs) for differs in (values != values[:1]).any(axis=0)]
 
     def _mesh(self, ui: Ui, document: Document, instances: Any) -> None:
         if not section(ui, f"{icons.MESH}  Mesh", opened=False):

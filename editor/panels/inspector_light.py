@@ -14,6 +14,7 @@ from imgui_bundle import imgui
 from editor import icons, theme
 from editor.document import Document
 from editor.param_widgets import param_row
+from editor.session import ChooseFile
 from editor.ui import Ui
 from editor.widgets import em, icon_button, property_grid, property_row, property_text, section, text
 from engine.assets.ies import PhotometricProfile, read_ies
@@ -36,14 +37,15 @@ _FIELDS = (
     Param("width", "float", 1.0, 0.0, unit="m", doc="Along the node's X; the node's scale changes nothing"),
     Param("height", "float", 1.0, 0.0, unit="m", doc="Along the node's Y"),
     Param("two_sided", "bool", False, doc="Shine to the back, too"),
+    Param("casts_shadow", "bool", False, doc="Things hide its light (costs a depth map, six for a point light)"),
 )
 FIELDS = {f.name: dataclasses.replace(f, default=getattr(LightAsset(), f.name)) for f in _FIELDS}
 FIELDS["type"] = dataclasses.replace(FIELDS["type"], default="point")
 #: what each kind has besides its brightness
 OF_KIND: dict[str, tuple[str, ...]] = {
     "directional": (),
-    "point": ("range", "profile"),
-    "spot": ("range", "inner_angle", "outer_angle", "profile"),
+    "point": ("range", "casts_shadow", "profile"),
+    "spot": ("range", "inner_angle", "outer_angle", "casts_shadow", "profile"),
     "rectangle": ("range", "width", "height", "two_sided"),
     "disk": ("range", "width", "height", "two_sided"),
 }
@@ -123,11 +125,18 @@ class LightEditor:
             "Profile", "An IES file that shapes the light: its path, relative to the scene", changed=bool(light.profile)
         )
         imgui.push_id(f"profile{rows[0]}")
-        imgui.set_next_item_width(-em(2.0) if light.profile else -1)
+        imgui.set_next_item_width(-em(3.8 if light.profile else 2.0))
         flags = imgui.InputTextFlags_.enter_returns_true | imgui.InputTextFlags_.auto_select_all
         _entered, path = imgui.input_text_with_hint("##path", "file.ies", light.profile, flags)
         if imgui.is_item_deactivated_after_edit() and path.strip() != light.profile:
             _set(ui, rows, "profile", path.strip().replace("\\", "/"))
+        folder = Path(document.runtime.scene.folder)
+        imgui.same_line(0, em(0.2))
+        if icon_button(f"{icons.FOLDER_OPEN}###choose", "Choose an IES file…"):
+            ui.session.ui.choose = ChooseFile(
+                "Choose an IES file", (".ies",), folder / light.profile,
+                lambda path: _set(ui, rows, "profile", _from(path, folder)),
+            )  # fmt: skip
         if light.profile:
             imgui.same_line(0, em(0.2))
             if icon_button(f"{icons.RESET}###none", "No profile: shine evenly"):
@@ -135,10 +144,12 @@ class LightEditor:
         imgui.pop_id()
         if not light.profile:
             return
-        found = self._read(Path(document.runtime.scene.folder) / light.profile)
+        found = self._read(folder / light.profile)
         if isinstance(found, str):
             property_row("", found)
-            text(f"{icons.WARNING} not readable", theme.ERROR)
+            imgui.push_text_wrap_pos(0.0)
+            text(f"{icons.WARNING}  {found}", theme.ERROR)
+            imgui.pop_text_wrap_pos()
             return
         property_text("Of the file", f"{found.peak:.4g} cd, {found.lumens or found.flux():.4g} lm", _labels(found))
         property_row("", "Take the brightness that the maker measured")
@@ -150,13 +161,21 @@ class LightEditor:
         try:
             key = (path, path.stat().st_mtime)
         except OSError as error:
-            return f"{path}: {error.strerror}"
+            return f"{path.name}: {error.strerror}"
         if key not in self._profiles:
             try:
                 self._profiles[key] = read_ies(path)
             except InputError as error:
-                self._profiles[key] = str(error)
+                self._profiles[key] = str(error).replace(str(path), path.name)
         return self._profiles[key]
+
+
+def _from(path: Path, folder: Path) -> str:
+    """How a scene in `folder` names a file: relative where it can; saving copies what lies elsewhere."""
+    try:
+        return path.resolve().relative_to(folder.resolve()).as_posix()
+    except ValueError:
+        return path.resolve().as_posix()
 
 
 def shape_of(light: LightAsset) -> dict[str, Any]:

@@ -1,11 +1,12 @@
-"""Lights: scatter many over the selection or the scene, and repeat what is selected in an array."""
+"""Lights: scatter many over the selection or the scene, and repeat what is selected in a line, grid or ring."""
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from imgui_bundle import imgui
+from numpy.typing import NDArray
 
 from editor import icons, theme
 from editor.commands import lights
@@ -13,8 +14,10 @@ from editor.document import Document
 from editor.panels.base import Panel
 from editor.param_widgets import param_row
 from editor.ui import Ui
-from editor.widgets import em, empty_state, property_grid, property_row, section, text
+from editor.widgets import em, empty_state, pretty, property_grid, property_row, section, text
 from engine.core.errors import LucarnaError
+from engine.core.param import Param
+from engine.scene.arrays import OF_SHAPE, ArraySettings
 from engine.scene.scatter import ScatterSettings
 
 #: settings that only some choices have
@@ -28,8 +31,7 @@ class LightsPanel(Panel):
 
     def __init__(self) -> None:
         self.settings = ScatterSettings()
-        self.counts = [3, 1, 1]
-        self.step = [1.0, 1.0, 1.0]
+        self.array = ArraySettings()
 
     def draw(self, ui: Ui) -> None:
         document = ui.session.document
@@ -49,48 +51,68 @@ class LightsPanel(Panel):
         imgui.spacing()
 
     def _scatter(self, ui: Ui, document: Document) -> None:
+        settings = self.settings
         with property_grid("scatter") as shown:
-            for field in self.settings.PARAMS if shown else ():
-                value = getattr(self.settings, field.name)
-                if field.name in ONLY_WITH and self.settings.kind not in ONLY_WITH[field.name]:
+            for field in settings.PARAMS if shown else ():
+                if not _scatter_has(settings, field.name):
                     continue
-                if field.name == "last_color" and self.settings.all_hues:
-                    continue
-                if field.name == "count":  # a slider to a hundred thousand hits no number
-                    property_row("Count", field.doc, changed=value != field.default)
-                    changed, new = imgui.drag_int(
-                        "##count", value, max(value * 0.005, 0.2), int(field.min), int(field.max), "%d",
-                        imgui.SliderFlags_.always_clamp,
-                    )  # fmt: skip
-                else:
-                    changed, new = param_row(field, value, id="scatter")
+                changed, new = _row(field, getattr(settings, field.name), "scatter")
                 if changed:
-                    setattr(self.settings, field.name, new)
-        where = "the selection" if document.selection else "the whole scene"
+                    setattr(settings, field.name, new)
+                    if field.name == "box" and new:  # begin with what it would have been
+                        settings.box_low, settings.box_high = (_round(v) for v in lights.box_of(document))
+        where = "the box" if settings.box else "the selection" if document.selection else "the whole scene"
         if imgui.button(f"{icons.LIGHT}  Scatter over {where}###scatter", (-1, em(2.0))):
             try:
-                lights.scatter(document, self.settings)
+                lights.scatter(document, settings)
+                if settings.drift > 0.0 and not ui.session.playback.playing:
+                    ui.session.ui.notice = "They drift while time plays: Space"
             except LucarnaError as error:
                 ui.session.fail(error)
         imgui.spacing()
 
     def _array(self, ui: Ui, document: Document) -> None:
+        array = self.array
         with property_grid("array") as shown:
-            if shown:
-                property_row("Count", "How many along X, Y and Z, the original being the first")
-                _changed, counts = imgui.drag_int3("##counts", self.counts, 0.1, 1, 1000)
-                self.counts = [min(max(int(c), 1), 1000) for c in counts]
-                property_row("Step", "Metres from one to the next along X, Y and Z")
-                _changed, step = imgui.drag_float3("##step", self.step, 0.02, 0, 0, "%.2f")
-                self.step = [float(s) if np.isfinite(s) else 0.0 for s in step]
+            for field in array.PARAMS if shown else ():
+                if field.name == "shape" or field.name in OF_SHAPE[array.shape]:
+                    changed, new = _row(field, getattr(array, field.name), "array")
+                    if changed:
+                        setattr(array, field.name, new)
         imgui.begin_disabled(not document.selection)
-        copies = int(np.prod(self.counts))
-        if imgui.button(f"Make {copies:,} of the selection###array", (-1, em(2.0))):
+        if imgui.button(f"Make {array.total:,} of the selection###array", (-1, em(2.0))):
             try:
-                lights.array(document, document.selection, self.counts, self.step)
+                lights.array(document, document.selection, array)
             except LucarnaError as error:
                 ui.session.fail(error)
         imgui.end_disabled()
+        if not document.selection:
+            text("Select what is to be repeated", theme.DIM)
+
+
+def _scatter_has(settings: ScatterSettings, name: str) -> bool:
+    if name in ONLY_WITH:
+        return settings.kind in ONLY_WITH[name]
+    if name in ("box_low", "box_high"):
+        return bool(settings.box)
+    return name != "last_color" or not settings.all_hues
+
+
+def _row(field: Param, value: Any, id: str) -> tuple[bool, Any]:
+    """As param_row; counts are dragged: a slider to a hundred thousand hits no number."""
+    if not field.name.startswith("count"):
+        return param_row(field, value, id=id)
+    property_row(pretty(field.name), field.doc, changed=value != field.default)
+    changed, new = imgui.drag_int(
+        f"##{field.name}", value, max(value * 0.005, 0.1), int(field.min), int(field.max), "%d",
+        imgui.SliderFlags_.always_clamp,
+    )  # fmt: skip
+    return bool(changed), int(new)
+
+
+def _round(corner: NDArray[np.float64]) -> tuple[float, float, float]:
+    x, y, z = (round(float(np.clip(v, -1e9, 1e9)), 3) for v in corner)
+    return x, y, z
 
 
 PANEL = LightsPanel

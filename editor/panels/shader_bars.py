@@ -28,6 +28,9 @@ def draw_header(ui: Ui) -> None:
     imgui.same_line(0, em(0.2))
     if icon_button(f"{icons.NEXT_ERROR}##next-error", "Next error (F8)", enabled=bool(problems)):
         ui.operations.run("shader.next-error", session)
+    imgui.same_line(0, em(0.2))
+    if icon_button(f"{icons.SEARCH}##find", "Find and replace (Ctrl+F)", enabled=front is not None):
+        ui.operations.run("shader.find", session)
     imgui.same_line(0, em(0.8))
     imgui.align_text_to_frame_padding()
     if problems:
@@ -76,6 +79,8 @@ def _conflict(ui: Ui, document: CodeDocument) -> None:
 def _difference(ui: Ui, document: CodeDocument) -> None:
     from imgui_bundle import imgui_color_text_edit as code_edit
 
+    from editor.code_field import language_of
+
     size = imgui.get_main_viewport().size
     imgui.set_next_window_size((size.x * 0.8, size.y * 0.75), imgui.Cond_.appearing)
     if not imgui.begin_popup_modal("Difference", None, 0)[0]:
@@ -83,20 +88,26 @@ def _difference(ui: Ui, document: CodeDocument) -> None:
     differ = _DIFFERENCES.get(document.path)
     if differ is None or differ[0] != (document.theirs, document.text):
         made = code_edit.TextDiff()
-        made.set_side_by_side_mode(True)
+        made.set_side_by_side_mode(_SIDE_BY_SIDE[0])
         made.set_show_whitespaces_enabled(False)
         made.set_palette(code_edit.TextEditor.get_dark_palette())
         made.set_colors(theme.u32(theme.GOOD, 0.22), theme.u32(theme.ERROR, 0.22))
-        made.set_language(code_edit.TextEditor.Language.glsl())
+        made.set_language(language_of(document))
         made.set_text(document.theirs or "", document.text)
         differ = _DIFFERENCES[document.path] = ((document.theirs, document.text), made)
-    text("Left: what the other program wrote. Right: yours.", theme.DIM)
+    red, green = ("left", "right") if _SIDE_BY_SIDE[0] else ("red", "green")
+    text(f"{red.capitalize()}: what the other program wrote. {green.capitalize()}: yours.", theme.DIM)
+    imgui.same_line(imgui.get_window_width() - em(11))
+    changed, _SIDE_BY_SIDE[0] = imgui.checkbox("Side by side", _SIDE_BY_SIDE[0])
+    if changed:
+        differ[1].set_side_by_side_mode(_SIDE_BY_SIDE[0])
     with mono(ui):
         differ[1].render("##difference", (0, -em(2.6)))
     for index, label in enumerate(("Keep mine", "Take theirs", "Close")):
         if imgui.button(label, (em(8), 0)):
             if index == 0:
                 document.keep_mine()
+                ui.session.save_code()
             elif index == 1:
                 document.take_theirs()
             _DIFFERENCES.pop(document.path, None)
@@ -107,27 +118,26 @@ def _difference(ui: Ui, document: CodeDocument) -> None:
 
 #: path -> ((theirs, mine), the widget that shows how they differ)
 _DIFFERENCES: dict[Path, tuple[tuple[str | None, str], Any]] = {}
+#: how it shows them
+_SIDE_BY_SIDE = [True]
 
 
 def _bar(name: str, color: Rgba, words: str, buttons: list[str]) -> int:
-    """A line on a tinted ground with buttons; the index of the one pressed, or -1."""
+    """Words on a tinted ground with buttons, below them where the panel is narrow; which was pressed, or -1."""
+    width = sum(imgui.calc_text_size(b).x + em(1.6) for b in buttons)
+    narrow = imgui.calc_text_size(words).x + width + em(1) > imgui.get_content_region_avail().x
     imgui.push_style_color(imgui.Col_.child_bg, imgui.ImVec4(color[0], color[1], color[2], 0.12))
-    height = imgui.get_frame_height() + em(0.5)
+    lines = 2 if narrow and buttons else 1
+    height = lines * imgui.get_frame_height() + em(0.5) + (lines - 1) * em(0.2)
     pressed = -1
     imgui.begin_child(f"bar-{name}", (0, height), 0, imgui.WindowFlags_.no_scrollbar)
     imgui.set_cursor_pos((em(0.5), em(0.25)))
     imgui.align_text_to_frame_padding()
-    width = sum(imgui.calc_text_size(b).x + em(1.6) for b in buttons)
-    imgui.begin_group()
-    start = imgui.get_cursor_pos_x()
-    imgui.push_clip_rect(
-        imgui.get_cursor_screen_pos(),
-        (imgui.get_cursor_screen_pos().x + imgui.get_content_region_avail().x - width, 1e6), True,
-    )  # fmt: skip
-    text(words, color)
-    imgui.pop_clip_rect()
-    imgui.end_group()
-    imgui.same_line(max(start, imgui.get_window_width() - width))
+    fitted_text(words, color)
+    if lines == 2:
+        imgui.set_cursor_pos((em(0.5), em(0.45) + imgui.get_frame_height()))
+    else:
+        imgui.same_line(imgui.get_window_width() - width)
     for index, label in enumerate(buttons):
         if imgui.button(label):
             pressed = index

@@ -12,6 +12,7 @@ from editor.code.document import CodeDocument
 from editor.code_field import CodeField
 from editor.panels.base import Panel
 from editor.panels.shader_bars import draw_bars, draw_header
+from editor.panels.shader_find import FindBar
 from editor.ui import Ui
 from editor.widgets import em, empty_state, mono, tooltip
 
@@ -24,11 +25,14 @@ class ShaderEditorPanel(Panel):
 
     def __init__(self) -> None:
         self.fields: dict[Path, CodeField] = {}
+        self.finder = FindBar()
         self.closing: CodeDocument | None = None
         self.shown: CodeDocument | None = None
 
     def draw(self, ui: Ui) -> None:
         code = ui.session.code
+        if self._asks_to_find():
+            code.find = code.front is not None
         code.focused = bool(imgui.is_window_focused(imgui.FocusedFlags_.child_windows)) and code.front is not None
         if not code.documents:
             empty_state(icons.CODE, "No shader is open", "Shaders > Open effect of the selected material")
@@ -66,6 +70,11 @@ class ShaderEditorPanel(Panel):
         code.raise_tab = False
         imgui.end_tab_bar()
 
+    @staticmethod
+    def _asks_to_find() -> bool:
+        focused = bool(imgui.is_window_focused(imgui.FocusedFlags_.child_windows))
+        return focused and bool(imgui.is_key_chord_pressed(imgui.Key.mod_ctrl | imgui.Key.f))
+
     def _document(self, ui: Ui, document: CodeDocument) -> None:
         code = ui.session.code
         draw_bars(ui, document)
@@ -76,6 +85,10 @@ class ShaderEditorPanel(Panel):
         if code.cursor is not None:
             field.go_to(*code.cursor)
             code.cursor = None
+        if code.find:
+            code.find = False
+            self.finder.open(field)
+        self.finder.draw(field)
         with mono(ui):
             field.draw(ui, (0.0, -em(1.5)))
         field.draw_status(ui)

@@ -91,9 +91,14 @@ def draw_ruler(session: Session, canvas: Canvas) -> None:
     dark = theme.u32((0, 0, 0, 0.35))
     lines.add_rect_filled((canvas.left, top), (max(low, canvas.left), bottom), dark)
     lines.add_rect_filled((max(high, canvas.left), top), (right, bottom), dark)
-    lines.add_rect_filled(
-        (low, top + canvas.ruler - 3), (high, top + canvas.ruler), theme.u32((*theme.ACCENT[:3], 0.5))
-    )
+    foot = top + canvas.ruler
+    lines.add_rect_filled((low, foot - 3), (high, foot), theme.u32((*theme.ACCENT[:3], 0.5)))
+    for x, way in ((low, 1.0), (high, -1.0)):  # brackets to be dragged
+        for wide, deep in ((2.5, em(0.5)), (em(0.3), 2.5)):
+            edges = sorted((x, x + way * wide))
+            lines.add_rect_filled(
+                (edges[0], foot - em(0.5)), (edges[1], foot - em(0.5) + deep), theme.u32(theme.ACCENT)
+            )
     lines.pop_clip_rect()
 
 

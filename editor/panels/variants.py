@@ -8,13 +8,14 @@ from typing import Any, ClassVar
 from imgui_bundle import imgui
 
 from editor import icons, theme
-from editor.code.variant_rows import VariantRow, source_lines, variant_rows
+from editor.code.feature_work import MeasureFeatures, told, verdict_of
+from editor.code.variant_rows import VariantRow, source_lines, stages_of, variant_rows
 from editor.panels.base import Panel
 from editor.ui import Ui
 from editor.widgets import em, empty_state, mono, text, tooltip
 
-#: what is shown of the chosen variant
-VIEWS = ("Why", "Fragment", "Vertex")
+#: what is shown of the chosen variant, beside its stages
+WHY, GENERATED = "Why", "Generated"
 COLUMNS = (("Effect", 1.5), ("Features", 2.0), ("Used by", 1.6), ("Time", 0.8))
 
 
@@ -29,6 +30,8 @@ class VariantsPanel(Panel):
         self._rows: list[VariantRow] = []
         self._source_key: object = None
         self._source: list[tuple[str, int, str]] = []
+        self._views_key: object = None
+        self._views: tuple[str, ...] = ()
 
     def draw(self, ui: Ui) -> None:
         session = ui.session
@@ -45,6 +48,7 @@ class VariantsPanel(Panel):
         total = sum(row.ms for row in rows)
         text(f"{len(rows)} compiled, {used} in use, {total:.0f} ms", theme.DIM)
         tooltip(f"{len(rows)} of {possible(rows)} that their effects could have")
+        _measuring(ui)
         self.chosen = min(self.chosen, max(len(rows) - 1, 0))
         height = max(imgui.get_content_region_avail().y * 0.42, em(4))
         self._table(rows, height)
@@ -74,19 +78,24 @@ class VariantsPanel(Panel):
             text(", ".join(row.materials) or "not in use", theme.DIM if row.used else theme.FAINT)
             tooltip("\n".join(row.materials))
             imgui.table_next_column()
-            text(f"{row.ms:.0f} ms" if row.ms else "", theme.DIM)
+            text(f"{row.ms:.0f} ms{' *' if row.loaded else ''}" if row.ms else "", theme.DIM)
+            if row.loaded:
+                tooltip("Taken from the program cache, not compiled")
         imgui.end_table()
 
     def _details(self, ui: Ui, library: Any, row: VariantRow) -> None:
         if not imgui.begin_tab_bar("details"):
             return
-        for view in VIEWS:
+        if self._views_key != (self._key, row.variant):
+            stages = [stage.replace("_", " ").capitalize() for stage in stages_of(library, row.variant)]
+            self._views_key, self._views = (self._key, row.variant), (WHY, *reversed(stages), GENERATED)
+        for view in self._views:
             if imgui.begin_tab_item(view)[0]:
                 imgui.begin_child("detail", (0, 0), 0, imgui.WindowFlags_.horizontal_scrollbar)
-                if view == "Why":
-                    _why(row)
+                if view == WHY:
+                    _why(ui, row)
                 else:
-                    self._lines(ui, library, row, view.lower())
+                    self._lines(ui, library, row, view.lower().replace(" ", "_"))
                 imgui.end_child()
                 imgui.end_tab_item()
         imgui.end_tab_bar()
@@ -110,13 +119,42 @@ class VariantsPanel(Panel):
                     text(code, theme.DIM if file.startswith("<") else theme.TEXT)
 
 
-def _why(row: VariantRow) -> None:
+def _measuring(ui: Ui) -> None:
+    """The line about what features change: the button, the progress, the outcome."""
+    session = ui.session
+    if isinstance(session.work, MeasureFeatures):
+        imgui.progress_bar(session.work.progress, (em(10), 0), "")
+        imgui.same_line(0, em(0.6))
+        text(session.work.text, theme.DIM)
+        imgui.same_line(0, em(0.6))
+        if imgui.small_button("Cancel##features"):
+            ui.operations.run("view.cancel-work", session)
+        return
+    imgui.begin_disabled(session.work is not None)
+    if imgui.small_button(f"{icons.TIMER}  Measure what features change"):
+        ui.operations.run("view.measure-features", session)
+    imgui.end_disabled()
+    tooltip(
+        "Switches each feature of the scene's variants off and compares the pictures, bit for bit, from three sides"
+    )
+    if session.feature_effects is not None:
+        text(told(session.feature_effects), theme.DIM)
+        tooltip(told(session.feature_effects))
+
+
+def _why(ui: Ui, row: VariantRow) -> None:
     if row.error:
         text(row.error.split("\n")[0], theme.ERROR)
         tooltip(row.error)
     for name, reason in row.reasons:
         text(name, theme.GOOD)
         imgui.same_line(em(9))
+        features = frozenset(row.features)
+        found = verdict_of(ui.session.feature_effects or [], row.variant.request.effect, features, name)
+        if found is not None:
+            text(f"{found.verdict}:", theme.WARNING if found.covered and not found.changed else theme.FAINT)
+            tooltip(f"{found.changed:,} of {found.covered:,} pixels, by {found.largest:.3g} at most")
+            imgui.same_line(0, em(0.5))
         text(reason, theme.DIM)
     for name, reason in row.absent:
         text(name, theme.FAINT)

@@ -7,7 +7,17 @@ from typing import ClassVar
 
 from imgui_bundle import imgui
 
-from editor import axis_widget, camera_controls, icons, light_outlines, markers, overlay, skeleton_overlay, theme
+from editor import (
+    axis_widget,
+    camera_controls,
+    icons,
+    legend_overlay,
+    light_outlines,
+    markers,
+    overlay,
+    skeleton_overlay,
+    theme,
+)
 from editor.camera_controls import OrbitCamera
 from editor.gizmo_widget import GizmoWidget
 from editor.navigation import WHEEL, motion_for
@@ -41,7 +51,7 @@ class ViewportPanel(Panel):
         #: node row of the light or camera whose sign is under the pointer, or -1
         self.marker = self._pressed = -1
         #: node row of the bone under the pointer, or -1
-        self.bone = -1
+        self.bone = self._pressed_bone = -1
         #: the picture in the window: x, y, width, height, imgui units
         self.area = (0.0, 0.0, 1.0, 1.0)
         #: where a drag began, imgui units
@@ -113,6 +123,9 @@ class ViewportPanel(Panel):
             if view:
                 ui.operations.run(f"view.{view}", session)
         left, bottom = x + em(0.6), y + height - em(0.6)
+        legend = getattr(session.image.frame, "legend", None)
+        if legend is not None:
+            bottom -= legend_overlay.draw(legend, left, bottom, width - em(1.2)) + em(0.4)
         if session.preferences.show_stats and session.image.frame is not None:
             counters = session.image.frame.stats.counters
             parts = [f"{short_count(counters[n])} {n}" for n in ("triangles", "draws") if n in counters]
@@ -149,6 +162,7 @@ class ViewportPanel(Panel):
                     self.motion = motion_for(session.preferences.keymap, name, _modifiers()) or "none"
                     self._button, self._travel = index, 0.0
                     self._start, self._pressed = (io.mouse_pos.x, io.mouse_pos.y), self.marker
+                    self._pressed_bone = self.bone
                     imgui.set_window_focus()
         if self.motion:
             self._travel += abs(io.mouse_delta.x) + abs(io.mouse_delta.y)
@@ -175,7 +189,7 @@ class ViewportPanel(Panel):
             session.measure(u, v)
         elif io.key_alt:
             session.pick_through(u, v)
-        elif self.bone >= 0 and skeleton_overlay.pick(session, self.bone):
+        elif self._pressed_bone >= 0 and skeleton_overlay.pick(session, self._pressed_bone):
             pass
         elif self._pressed >= 0 and session.document is not None:
             session.document.select(self._pressed, toggle=bool(io.key_ctrl))

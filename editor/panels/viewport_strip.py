@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from imgui_bundle import imgui
@@ -21,6 +22,9 @@ CONTROLS = (
     ("view", icons.VISIBLE, 7.0),
     ("path", icons.LIGHT, 7.5),
 )
+#: where there is no room for all: which stay, the first ones longest
+KEPT = ("view", "path", "exposure", "tone_map", "environment_rotation")
+GAP = 0.9
 #: (operation, icon)
 TOOLS = (
     ("tool.select", icons.SELECT), ("tool.move", icons.MOVE), ("tool.rotate", icons.ROTATE),
@@ -29,18 +33,33 @@ TOOLS = (
 
 
 def draw(ui: Ui) -> None:
-    """One line over the width; what does not fit is left out from the right."""
+    """One line over the width; where not all controls fit, the last of KEPT are left out."""
     settings = ui.session.settings
     known = {p.name: p for p in settings.PARAMS}
     imgui.set_cursor_pos((em(0.5), imgui.get_cursor_pos_y() + em(0.25)))
     _tools(ui)
+    button = imgui.calc_text_size(icons.LIGHT).x + 2.0 * imgui.get_style().frame_padding.x
+    shown = fitting(
+        {name: em(width + GAP) + button for name, _icon, width in CONTROLS if name in known},
+        imgui.get_content_region_avail().x,
+    )
     for name, icon, width in CONTROLS:
-        if name in known and imgui.get_content_region_avail().x > em(width + 2):
+        if name in shown:
             _control(settings, known[name], icon, em(width))
             if name == "path" and ui.session.image.frame is not None:
                 tooltip(f"Now: {pretty(ui.session.image.frame.path.path)}\n{ui.session.image.frame.path.reason}")
-            imgui.same_line(0, em(0.9))
+            imgui.same_line(0, em(GAP))
     _cost(ui)
+
+
+def fitting(widths: Mapping[str, float], room: float) -> set[str]:
+    """Which of the controls fit, by KEPT."""
+    shown: set[str] = set()
+    for name in KEPT:
+        if name in widths and widths[name] <= room:
+            shown.add(name)
+            room -= widths[name]
+    return shown
 
 
 def _tools(ui: Ui) -> None:

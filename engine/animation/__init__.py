@@ -15,7 +15,8 @@
     tracks of the same file ─ sequence.Sequence: a pure function of time ─> poses, way, markers' times
     transport: a playhead over seconds, in and out points, markers passed once each
 
-    ClipAsset ─ compress (key_reduction, 16 bits) ─> PackedClip, within an error stated in metres at the skin
+    ClipAsset ─ compress (key_reduction, 16 bits) ─> ClipAsset of coded channels, within an error stated in metres at
+    the skin; decoded when a clip first plays
     weights channels ─ morph.WeightPlayer ─> MorphTable
     pose, skinning, morph: nodes, clip, time -> meshes in world space on the CPU, for export and as truth
 

@@ -110,7 +110,7 @@ def sequence_of(model: AnimationModel, source: TomlSource, parts: Parts, above: 
             [
                 Block(
                     numbers[b.clip], b.start, b.length, b.offset, b.speed, b.fade_in, b.fade_out, b.curve, b.play,
-                    b.sync,
+                    b.sync, b.weight,
                 )
                 for b in t.blocks
             ],

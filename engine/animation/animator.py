@@ -53,6 +53,10 @@ class Animator:
         self.heard = mixing.voices([], np.zeros(0), np.zeros(0))
         self._mixer = mixing.Mixer(graph.clips, graph.rig.rest, self.ways)
         self._markers = self._marker_phases()
+        self._covers: NDArray[np.bool_] = np.zeros((3, len(graph.rig)), np.bool_)
+        for clip in graph.clips:
+            self._covers |= clip.sampler.covers
+        self._covers_all = bool(self._covers.all())
         self.update(0.0)
 
     def __len__(self) -> int:
@@ -117,20 +121,23 @@ class Animator:
         Those not `awake` (bool[m]) are not posed, but their time, events and root motion go on.
         """
         machine = self.machine
-        delta = np.nan_to_num(float(dt) * self.speed, posinf=0.0, neginf=0.0)
-        cut = machine.decide()
-        if cut.any():
+        delta = float(dt) * self.speed
+        if not np.isfinite(delta).all():
+            delta = np.nan_to_num(delta, posinf=0.0, neginf=0.0)
+        cut = machine.decide() if self.graph.transitions else None
+        if cut is not None and cut.any():
             if self._held is None:
                 self._held = np.zeros_like(self.poses)
             self._held[:, cut] = self._base[:, cut]
         seconds, mixes = self._seconds(machine.state)
-        source_seconds, source_mixes = self._seconds(machine.source)
+        fades = bool((machine.source != NO_FADE).any())
+        source_seconds, source_mixes = self._seconds(machine.source) if fades else (seconds, [])
         step, source_step = machine.advance(
-            delta, self._rates(seconds, machine.state), self._rates(source_seconds, machine.source)
+            delta, self._rates(seconds, machine.state), self._rates(source_seconds, machine.source) if fades else None
         )
         fired = self._events(mixes, step)
         level = machine.weight()
-        fading = np.where(machine.source == NO_FADE, 0.0, 1.0 - level)
+        fading = np.where(machine.source == NO_FADE, 0.0, 1.0 - level) if fades else np.zeros(len(self))
         self._travel([(mixes, step, level), (source_mixes, source_step, fading)])
         who = np.arange(len(self)) if awake is None else np.flatnonzero(np.asarray(awake, np.bool_))
         heard = mixing.together(
@@ -138,7 +145,7 @@ class Animator:
             mixing.voices(source_mixes, machine.source_heads.fraction, fading),
         )
         self.heard = heard
-        frozen = np.where(machine.source == FROZEN, fading, 0.0)
+        frozen = np.where(machine.source == FROZEN, fading, 0.0) if fades else None
         if len(who):
             self._mixer.pose(heard, who, self._base, self._held, frozen)
         return fired.joined(self._layers(delta, who))
@@ -148,6 +155,10 @@ class Animator:
         no clip moves are left as they are. `only` bool[m]: just these characters. Call `nodes.update()` afterwards.
         """
         covers = self.covers()
+        if only is None and self._covers_all and rows.size and rows.min() >= 0:
+            t, q, s = (self.poses[part].reshape(part.stop - part.start, -1).T for part in (poses.T, poses.R, poses.S))
+            nodes.set_trs(rows.reshape(-1), t, q, s)
+            return
         who = slice(None) if only is None else np.flatnonzero(np.asarray(only, np.bool_))
         setters = (nodes.set_translation, nodes.set_rotation, nodes.set_scale)
         for path, (part, setter) in enumerate(zip((poses.T, poses.R, poses.S), setters, strict=True)):
@@ -161,10 +172,7 @@ class Animator:
 
     def covers(self) -> NDArray[np.bool_]:
         """bool[3,rig nodes]: the translations, rotations and scales that some clip moves."""
-        covers = np.zeros((3, len(self.graph.rig)), np.bool_)
-        for clip in self.graph.clips:
-            covers |= clip.sampler.covers
-        return covers
+        return self._covers
 
     def move(self, nodes: NodeTable, rows: I8) -> None:
         """Carry the nodes `rows` i8[m] (the characters' own, one each) by the last update's root motion."""
@@ -191,7 +199,7 @@ class Animator:
         """How long each character's state lasts, f8[m], and the mixes of those who are in one."""
         seconds = np.zeros(len(self))
         mixes = []
-        for number in np.unique(states[states >= 0]):
+        for number in sorted(set(states.tolist()) - {NO_FADE, FROZEN}):
             m = mixing.mix(self.graph.states[number].motion, np.flatnonzero(states == number), self.machine.values)
             seconds[m.who] = m.seconds(self.graph.clips)
             mixes.append(m)
@@ -203,6 +211,8 @@ class Animator:
 
     def _events(self, mixes: Sequence[Mix], step: Step) -> Fired:
         """Of blended clips the one with the greatest share is heard: its markers count."""
+        if not self.marker_names:
+            return Fired()
         found = []
         for m in mixes:
             loudest = np.argmax(m.shares, axis=0)

@@ -38,20 +38,25 @@ class BlendSpace:
         self._apart = apart
         self._toward = np.where(apart[..., None], step / np.where(apart, square, 1.0)[..., None], 0.0)
 
+        self._low, self._high = places.min(axis=0), places.max(axis=0)
+        line, copies = np.unique(places[:, 0], return_inverse=True)
+        self._places = line, copies, np.bincount(copies)[copies][:, None]
+
     @property
     def dimensions(self) -> int:
         return int(self.points.shape[1])
 
     def weights(self, at: ArrayLike) -> F8:
         """f8[k,m] for points f8[m] (one dimension) or f8[m,d]; what is not finite counts as 0."""
-        place = np.nan_to_num(np.asarray(at, np.float64), nan=0.0, posinf=1e150, neginf=-1e150)
+        place = np.asarray(at, np.float64)
+        if not np.isfinite(place).all():
+            place = np.nan_to_num(place, nan=0.0, posinf=1e150, neginf=-1e150)
         if place.ndim == 1 and self.dimensions == 1:
             place = place[:, None]
         if place.ndim != 2 or place.shape[1] != self.dimensions:
             raise InputError(f"points {place.shape} in a blend space of {self.dimensions} dimensions")
         # beyond the samples' box nothing new is to be found, and huge numbers would cancel
-        low, high = self.points.min(axis=0), self.points.max(axis=0)
-        place = np.clip(place, low, high)
+        place = np.minimum(np.maximum(place, self._low), self._high)
         if self.dimensions == 1:
             return self._line(place[:, 0])
         from_i = place[None, :, :] - self.points[:, None, :]  # [i,m,d]
@@ -66,15 +71,15 @@ class BlendSpace:
         return result
 
     def _line(self, x: F8) -> F8:
-        places, copies = np.unique(self.points[:, 0], return_inverse=True)
+        places, copies, alike = self._places
         share = np.zeros((len(places), len(x)))
         who = np.arange(len(x))
         if len(places) == 1:
             share[0] = 1.0
         else:
-            left = np.clip(np.searchsorted(places, x, side="right") - 1, 0, len(places) - 2)
+            left = np.minimum(np.maximum(places.searchsorted(x, side="right") - 1, 0), len(places) - 2)
             u = (x - places[left]) / (places[left + 1] - places[left])
             share[left, who] = 1.0 - u
             share[left + 1, who] = u
-        result: F8 = share[copies] / np.bincount(copies)[copies][:, None]
+        result: F8 = share[copies] / alike
         return result

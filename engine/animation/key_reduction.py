@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from engine.animation import poses
 from engine.assets.clip import Channel, ClipAsset
 from engine.core.errors import InputError
 from engine.math import quat
@@ -122,12 +122,13 @@ def _kept(times: F8, values: F8, rotation: bool, step: bool, tolerance: float) -
     last = len(times) - 1
     if _off(values, np.broadcast_to(values[0], values.shape), rotation).max() <= tolerance:
         return np.zeros(1, np.int64)
+    rows = np.ascontiguousarray(values.T)  # components first: each operation runs over keys side by side
     kept = [0]
     while kept[-1] < last:
         start = kept[-1]
 
         def fits(end: int, start: int = start) -> bool:
-            return _span_fits(times, values, start, end, rotation, step, tolerance)
+            return _span_fits(times, rows, start, end, rotation, step, tolerance)
 
         good, reach = start + 1, 2
         while start + reach <= last and fits(start + reach):
@@ -140,20 +141,32 @@ def _kept(times: F8, values: F8, rotation: bool, step: bool, tolerance: float) -
     return np.array(kept)
 
 
-def _span_fits(times: F8, values: F8, start: int, end: int, rotation: bool, step: bool, tolerance: float) -> bool:
-    inner = slice(start + 1, end)
+def _span_fits(times: F8, rows: F8, start: int, end: int, rotation: bool, step: bool, tolerance: float) -> bool:
     if end - start < 2:
         return True
-    u = (times[inner] - times[start]) / (times[end] - times[start])
-    a, b = values[start], values[end]
+    begin = float(times[start])
+    u = (times[start + 1 : end] - begin) / (float(times[end]) - begin)
+    a, b, between = rows[:, start], rows[:, end], rows[:, start + 1 : end]
     if step:
-        guess = np.broadcast_to(a, values[inner].shape)
+        off = between - a[:, None]
     elif rotation:
-        shape = (4, len(u))
-        guess = poses.slerp(np.broadcast_to(a[:, None], shape), np.broadcast_to(b[:, None], shape), u).T
+        return _arc_fits(a, b, between, u, tolerance)
     else:
-        guess = a + (b - a) * u[:, None]
-    return bool(_off(values[inner], guess, rotation).max() <= tolerance)
+        off = between - a[:, None] - (b - a)[:, None] * u
+    return bool((off * off).sum(axis=0).max() <= tolerance * tolerance)
+
+
+def _arc_fits(a: F8, b: F8, between: F8, u: F8, tolerance: float) -> bool:
+    """Whether slerp from `a` to `b` at `u` f8[k] is within `tolerance` radians of the unit quaternions f8[4,k]."""
+    if float(a @ b) < 0.0:
+        b = -b
+    angle = max(2.0 * math.atan2(math.sqrt(((b - a) ** 2).sum()), math.sqrt(((a + b) ** 2).sum())), 1e-9)
+    inverse = 1.0 / math.sin(angle)
+    guess = (np.sin((1.0 - u) * angle) * inverse) * a[:, None] + (np.sin(u * angle) * inverse) * b[:, None]
+    less, more = between - guess, between + guess
+    square = np.minimum((less * less).sum(axis=0), (more * more).sum(axis=0))
+    # the angle between rotations whose quaternions are c apart is 4 asin(c / 2)
+    return bool(square.max() <= 4.0 * math.sin(min(tolerance / 4.0, math.pi / 2.0)) ** 2)
 
 
 def _off(values: F8, guess: F8, rotation: bool) -> F8:

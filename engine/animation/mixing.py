@@ -17,6 +17,8 @@ I8 = NDArray[np.int64]
 
 #: Characters posed at a time: their poses stay in the cache.
 BLOCK = 256
+#: Up to so many characters are sampled one by one.
+FEW = 4
 #: A share of the pose below this is not sampled.
 _SILENT = 1e-6
 
@@ -91,6 +93,9 @@ class Mixer:
 
         `held` f8[10,m,n] joins in with `held_weight` f8[m]. Who hears nothing rests.
         """
+        if len(who) <= FEW:
+            self._few(heard, who, out, held, held_weight)
+            return
         order = np.lexsort((heard.clip, heard.character))
         character, clip = heard.character[order], heard.clip[order]
         phase, weight = heard.phase[order], heard.weight[order]
@@ -106,27 +111,62 @@ class Mixer:
                 place[mine], clip[chosen], phase[chosen], weight[chosen], slot[chosen], block, out, held, held_weight
             )
 
+    def _few(self, heard: Voices, who: I8, out: F8, held: F8 | None, held_weight: F8 | None) -> None:
+        """As `pose`, line by line: for so few this is less than finding what goes together."""
+        place = {character: i for i, character in enumerate(who.tolist())}
+        lines = sorted(
+            zip(
+                heard.character.tolist(), heard.clip.tolist(), heard.phase.tolist(), heard.weight.tolist(), strict=True
+            ),
+            key=lambda line: line[:2],
+        )
+        used = [0] * len(place)
+        put: list[tuple[int, int, int, float, float]] = []
+        for character, clip, phase, weight in lines:
+            i = place.get(character)
+            if i is not None:
+                put.append((used[i], i, clip, phase, weight))
+                used[i] += 1
+        inputs = self._inputs(max([*used, 1]), len(place))
+        weights = np.zeros((len(inputs), len(place)))
+        for pose in inputs:
+            pose[...] = self._rest[:, None, :]
+        for slot, i, clip, phase, weight in put:
+            weights[slot, i] = weight
+            sampler, way = self._clips[clip].sampler, self._ways[clip]
+            sampler.sample_one(phase * sampler.duration, inputs[slot][:, i])
+            if way is not None:
+                way.take_out(np.array([phase]), inputs[slot][:, i : i + 1])
+        self._blend(inputs, weights, who, out, held, held_weight)
+
     def _block(
         self, place: I8, clip: I8, phase: F8, weight: F8, slot: I8, block: I8, out: F8, held: F8 | None,
         held_weight: F8 | None,
     ) -> None:  # fmt: skip
-        count = len(block)
-        slots = int(slot.max(initial=0)) + 1
-        while len(self._stack) < slots:
-            self._stack.append(np.zeros((10, BLOCK, self._rest.shape[1])))
-        inputs = [pose[:, :count] for pose in self._stack[:slots]]
-        weights = np.zeros((slots, count))
+        inputs = self._inputs(int(slot.max(initial=0)) + 1, len(block))
+        weights = np.zeros((len(inputs), len(block)))
         weights[slot, place] = weight
         for number, pose in enumerate(inputs):
-            pose[...] = self._rest[:, None, :]
+            pose[...] = self._rest[:, None, :]  # just before it is sampled: it is still in the cache then
             here = slot == number
             for which in np.unique(clip[here]):
                 lines = np.flatnonzero(here & (clip == which))
                 self._sample(int(which), phase[lines], place[lines], pose)
+        self._blend(inputs, weights, block, out, held, held_weight)
+
+    def _inputs(self, slots: int, count: int) -> list[F8]:
+        """Room for so many poses of `count` characters."""
+        while len(self._stack) < slots:
+            self._stack.append(np.zeros((10, BLOCK, self._rest.shape[1])))
+        return [pose[:, :count] for pose in self._stack[:slots]]
+
+    def _blend(
+        self, inputs: list[F8], weights: F8, block: I8, out: F8, held: F8 | None, held_weight: F8 | None
+    ) -> None:
         if held is not None and held_weight is not None and (held_weight[block] > 0.0).any():
             inputs.append(held[:, block])
             weights = np.concatenate([weights, held_weight[None, block]])
-        result = self._out[:, :count]
+        result = self._out[:, : len(block)]
         BlendJob(inputs, weights, self._rest, result).run()
         out[:, block] = result
 

@@ -92,8 +92,9 @@ class Playheads:
 
     def advance(self, phases: ArrayLike) -> Step:
         """Go on by `phases` f8[m], negative for back; what is not finite stands still."""
-        by = np.nan_to_num(np.broadcast_to(np.asarray(phases, np.float64), self.phase.shape), posinf=0.0, neginf=0.0)
-        by = np.clip(by, -_MOST_TURNS, _MOST_TURNS)
+        by = np.broadcast_to(np.asarray(phases, np.float64), self.phase.shape)
+        if not (np.abs(by) <= _MOST_TURNS).all():
+            by = np.clip(np.nan_to_num(by, posinf=0.0, neginf=0.0), -_MOST_TURNS, _MOST_TURNS)
         turn0, phase0, fresh = self.turn.copy(), self.phase.copy(), self.fresh.copy()
         more, phase = _wrap(phase0, by, self.mode)
         self.turn, self.phase = turn0 + more, phase

@@ -6,11 +6,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from engine.animation.clock import wrap
-from engine.animation.tracks import Track, pack
+from engine.animation.tracks import Track, pack, survey
 from engine.assets.clip import ClipAsset
 from engine.core.findings import Findings
 from engine.math import quat
-from engine.scene.copies import Copies
+from engine.scene.copies import Copies, OwnPlaces
 from engine.scene.nodes import NodeTable
 
 F8 = NDArray[np.float64]
@@ -21,42 +21,63 @@ class ClipPlayer:
     """A clip bound to node rows: `node_rows[i]` is the row of the clip's node i, or -1 to leave that node alone.
 
     `findings` holds what was wrong with the clip; whatever could be used is played. A node removed since the first
-    `apply`, or whose row was used again, is left alone: a player belongs to one scene.
+    `apply`, or whose row was used again, is left alone: a player belongs to one scene. Keys in 16 bits, which come from
+    files that were checked, are decoded when the clip first plays.
     """
 
     def __init__(self, clip: ClipAsset, node_rows: ArrayLike) -> None:
         self.name = clip.name
         self.findings = Findings(clip.name)
-        self.tracks = pack(clip, node_rows, self.findings)
-        #: seconds to the last key that is played
-        self.duration = max((float(t.times[t.first + t.count - 1].max()) for t in self.tracks), default=0.0)
         self._structure_rev = -1
         self._generation: list[NDArray[np.uint32]] | None = None
         self._living: list[NDArray[np.bool_] | None] = []
+        self._clip, self._bound = clip, np.asarray(node_rows, np.int64)
+        self._tracks: list[Track] | None = None
+        #: seconds to the last key that is played
+        self.duration = 0.0
+        if any(channel.codes is not None for channel in clip.channels):
+            self._rows, self.duration = survey(clip, self._bound, self.findings)
+            return
+        self._tracks = tracks = pack(clip, self._bound, self.findings)
+        self._rows = np.unique(np.concatenate([t.rows for t in tracks])) if tracks else np.zeros(0, np.int64)
+        self.duration = max((float(t.times[t.first + t.count - 1].max()) for t in tracks), default=0.0)
+
+    @property
+    def tracks(self) -> list[Track]:
+        """The clip's channels as they are sampled."""
+        if self._tracks is None:
+            self._tracks = pack(self._clip, self._bound)
+        return self._tracks
 
     @property
     def node_rows(self) -> I8:
         """The rows that the clip moves, rising."""
-        return np.unique(np.concatenate([t.rows for t in self.tracks])) if self.tracks else np.zeros(0, np.int64)
+        return self._rows
 
     def sample(self, time_s: float, mode: str = "loop") -> list[tuple[str, I8, F8]]:
         """Return (path, rows i8[k], values f8[k,3|4]) per track, at `time_s` wrapped by `mode` (see clock.wrap)."""
         time = wrap(time_s, self.duration, mode)
         return [(track.path, track.rows, sample_track(track, time)) for track in self.tracks]
 
-    def apply(self, nodes: NodeTable, time_s: float, mode: str = "loop", copies: Copies | None = None) -> None:
-        """Write the pose at `time_s` to `nodes`, and to the `copies` of those; call `update()` afterwards."""
+    def apply(
+        self, nodes: NodeTable, time_s: float, mode: str = "loop", copies: Copies | None = None,
+        places: OwnPlaces | None = None,
+    ) -> None:  # fmt: skip
+        """Write the pose at `time_s` to `nodes`, and to the `copies` of those, the placed ones about their `places`;
+        call `update()` afterwards."""
         setters = {
             "translation": nodes.set_translation, "rotation": nodes.set_rotation, "scale": nodes.set_scale,
         }  # fmt: skip
         self._check_living(nodes)
         for (path, rows, values), living in zip(self.sample(time_s, mode), self._living, strict=True):
+            if copies and places is not None:
+                places.write(copies, path, rows, values)
             if living is None:
                 setters[path](rows, values)
             elif living.any():
                 setters[path](rows[living], values[living])
             if copies:
-                which, to = copies.repeat(rows)
+                which, to = copies.moving.repeat(rows)
                 setters[path](to, values[which])
 
     def _check_living(self, nodes: NodeTable) -> None:

@@ -1,8 +1,14 @@
-"""ClipSampler: one clip at as many times as there are characters, into their poses, in a few array operations."""
+"""ClipSampler: one clip at as many times as there are characters, into their poses, in a few array operations.
+
+For one character the operations themselves cost more than what they do: `sample_one` needs a third of them, and gives
+the same bits.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from bisect import bisect_right
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -31,6 +37,8 @@ class _Group:
     values: F8
     theta: F8 | None
     bend: F8 | None = None
+    #: the number of its times among the sampler's clocks
+    clock: int = 0
 
 
 class ClipSampler:
@@ -47,7 +55,13 @@ class ClipSampler:
         column = np.full(size, -1, np.int64)
         column[rig.source] = np.arange(len(rig))
         tracks = pack(clip, column, self.findings)
-        self._groups = [group for track in tracks for group in _groups(track)]
+        clocks: dict[bytes, int] = {}
+        self._groups = [
+            replace(group, clock=clocks.setdefault(group.times.tobytes(), len(clocks)))
+            for track in tracks
+            for group in _groups(track)
+        ]
+        self._clocks = [np.frombuffer(times).tolist() for times in clocks]
         self.duration = max((float(t.times[t.first + t.count - 1].max()) for t in tracks), default=0.0)
         self.covers = np.zeros((3, len(rig)), np.bool_)
         for track in tracks:
@@ -55,9 +69,31 @@ class ClipSampler:
 
     def sample(self, times: ArrayLike, out: F8) -> None:
         """Write the poses at `times` f8[m] (seconds, held at the clip's ends) to what it covers of `out` f8[10,m,n]."""
-        at = np.nan_to_num(np.asarray(times, np.float64))
+        at = np.asarray(times, np.float64)
+        if not np.isfinite(at).all():
+            at = np.nan_to_num(at)
+        found: dict[int, tuple[I8, F8]] = {}  # groups with the same key times look once
         for group in self._groups:
-            out[poses.ROWS[group.path], :, group.columns] = _evaluate(group, at)
+            if group.interpolation != "step" and group.clock not in found:
+                found[group.clock] = _segments(group.times, at)
+            out[poses.ROWS[group.path], :, group.columns] = _evaluate(group, at, found.get(group.clock))
+
+    def sample_one(self, time: float, out: F8) -> None:
+        """As `sample` for one character: the pose at `time` to what it covers of `out` f8[10,n]."""
+        if not math.isfinite(time):
+            time = float(np.nan_to_num(time))
+        found: list[tuple[int, float, float]] = []
+        for times in self._clocks:
+            at = min(max(time, times[0]), times[-1])
+            key = min(max(bisect_right(times, at) - 1, 0), max(len(times) - 2, 0))
+            span = times[key + 1] - times[key] if len(times) > 1 else 1.0
+            found.append((key, (at - times[key]) / span, time))
+        for group in self._groups:
+            if group.interpolation == "cubic":
+                value = _evaluate(group, np.array([time]))[:, 0]
+            else:
+                value = _evaluate_one(group, *found[group.clock])
+            out[poses.ROWS[group.path], group.columns] = value
 
 
 @dataclass(slots=True)
@@ -79,18 +115,23 @@ class SampleJob:
         self.sampler.sample(self.times, self.out)
 
 
-def _evaluate(group: _Group, at: F8) -> F8:
-    """f8[w,m,k]"""
+def _segments(times: F8, at: F8) -> tuple[I8, F8]:
+    """Per time the key before it i8[m], one that has a next, and how far it is to that, f8[m,1] in [0,1]."""
+    at = np.minimum(np.maximum(at, times[0]), times[-1])
+    key: I8 = np.minimum(np.maximum(times.searchsorted(at, side="right") - 1, 0), len(times) - 2)
+    before = times[key]
+    return key, ((at - before) / (times[key + 1] - before))[:, None]
+
+
+def _evaluate(group: _Group, at: F8, found: tuple[I8, F8] | None = None) -> F8:
+    """f8[w,m,k]; `found`: what `_segments` said of the group's times."""
     times, values = group.times, group.values
     if group.interpolation == "step":
-        key = np.clip(np.searchsorted(times, at, side="right") - 1, 0, len(times) - 1)
+        key = np.minimum(np.maximum(times.searchsorted(at, side="right") - 1, 0), len(times) - 1)
         return values[:, key]
-    at = np.clip(at, times[0], times[-1])
-    key = np.clip(np.searchsorted(times, at, side="right") - 1, 0, len(times) - 2)
-    span = times[key + 1] - times[key]
-    u = ((at - times[key]) / span)[:, None]
+    key, u = found if found is not None else _segments(times, at)
     if group.interpolation == "cubic":
-        return _hermite(group, key, span[:, None], u)
+        return _hermite(group, key, (times[key + 1] - times[key])[:, None], u)
     start, end = values[:, key], values[:, key + 1]
     if group.theta is None:
         # rather start + u (end - start) than two products: equal keys stay exactly what they are
@@ -105,6 +146,30 @@ def _evaluate(group: _Group, at: F8) -> F8:
     end *= weight_b
     start += end
     return start
+
+
+def _evaluate_one(group: _Group, key: int, u: float, time: float) -> F8:
+    """f8[w,k] of a group that is not cubic."""
+    values = group.values
+    if group.interpolation == "step":
+        key = min(max(int(np.searchsorted(group.times, time, side="right")) - 1, 0), len(group.times) - 1)
+        return values[:, key]
+    start, end = values[:, key], values[:, key + 1]
+    if group.theta is None:
+        moved: F8 = end - start
+        moved *= u
+        moved += start
+        return moved
+    if group.bend is None:
+        weight_a, weight_b = poses.slerp_weights(group.theta[key], np.asarray(u))
+        result: F8 = start * weight_a + end * weight_b
+        return result
+    # poses.bent_nlerp
+    moved = end - start
+    moved *= u + group.bend[key] * (u * (u - 0.5) * (u - 1.0))
+    moved += start
+    moved /= np.sqrt(np.add.reduce(moved * moved, axis=0))
+    return moved
 
 
 def _hermite(group: _Group, key: I8, span: F8, u: F8) -> F8:

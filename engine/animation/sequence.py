@@ -48,6 +48,7 @@ class Block:
     curve: str = "smooth"
     play: str = "loop"
     sync: bool = False
+    weight: float = 1.0
 
     @property
     def end(self) -> float:
@@ -123,7 +124,7 @@ class Sequence:
         length = self.clips[block.clip].sampler.duration
         if length <= 0.0:
             return np.zeros(len(times))
-        return length * _share(self._phase(track, block, times), block.play)
+        return length * _share(self.phase(track, block, times), block.play)
 
     def audible(self, times: ArrayLike) -> list[tuple[int, int, float, float]]:
         """(track, block, level, clip time) of what is heard at one time."""
@@ -158,7 +159,7 @@ class Sequence:
 
     # -- time -----------------------------------------------------------------------------------------------------
 
-    def _phase(self, track: Track, block: Block, times: F8) -> F8:
+    def phase(self, track: Track, block: Block, times: F8) -> F8:
         """f8[m]: phase with turns: 1.5 is half-way through the second run."""
         length = self.clips[block.clip].sampler.duration
         if length <= 0.0:
@@ -203,7 +204,7 @@ class Sequence:
         ends = np.array([block.start, block.end])
         if length <= 0.0 or not 0.0 <= time <= length:
             return np.zeros(0)
-        first, last = np.sort(self._phase(track, block, ends))
+        first, last = np.sort(self.phase(track, block, ends))
         mark = time / length
         if block.play == "once":
             wanted = np.array([mark])
@@ -248,7 +249,7 @@ class Sequence:
                 # what lies over the rest takes its share
                 step = step * (1.0 - np.minimum(level, 1.0)) if track is not self.tracks[0] else step
                 total = total * (1.0 - np.minimum(level, 1.0)) if track is not self.tracks[0] else total
-                step += level * way.travel(_steps(self._phase(track, block, times), block.play))
+                step += level * way.travel(_steps(self.phase(track, block, times), block.play))
                 total += level
         step = step / np.maximum(total, 1.0)
         yaw = np.concatenate([[0.0], np.cumsum(step[2])])
@@ -260,7 +261,7 @@ class Sequence:
 
 def levels(blocks: Items[Block], times: F8) -> F8:
     """f8[k,m]: how loud each of a track's blocks is. In a cross-fade they sum to at least 1, whatever their curves:
-    what lies below, or the rest pose, does not show through."""
+    what lies below, or the rest pose, does not show through. Each block's weight scales its level in the end."""
     out = np.array([b.level(times) for b in blocks]).reshape(len(blocks), len(times))
     fading = np.zeros(len(times), np.bool_)
     for a, b in itertools.permutations(blocks, 2):
@@ -271,7 +272,8 @@ def levels(blocks: Items[Block], times: F8) -> F8:
     total = out.sum(axis=0)
     quiet = fading & (total < 1.0) & (total > 0.0)
     out[:, quiet] /= total[quiet]
-    return out
+    result: F8 = out * np.array([b.weight for b in blocks]).reshape(len(blocks), 1)
+    return result
 
 
 def _share(phase: F8, play: str) -> F8:

@@ -100,10 +100,13 @@ class StateMachine:
         self.heads.mode[who] = self._modes[transition.target]
         self.heads.seek(phase if transition.sync else 0.0, who)
 
-    def advance(self, dt: F8, rates: F8, source_rates: F8) -> tuple[Step, Step]:
-        """Go on by `dt` f8[m] seconds at `rates` f8[m] (phases a second); the steps of the states and the sources."""
-        source_step = self.source_heads.advance(dt * source_rates)
+    def advance(self, dt: F8, rates: F8, source_rates: F8 | None) -> tuple[Step, Step]:
+        """Go on by `dt` f8[m] seconds at `rates` f8[m] (phases a second); the steps of the states and the sources.
+        Without `source_rates` nobody fades, and the second step says nothing."""
         step = self.heads.advance(dt * rates)
+        if source_rates is None:
+            return step, step
+        source_step = self.source_heads.advance(dt * source_rates)
         # a fade runs forward, also where the clip runs back
         self.elapsed += np.abs(dt)
         done = (self.source != NO_FADE) & (self.elapsed >= self._seconds[self.transition])
@@ -113,7 +116,8 @@ class StateMachine:
     def weight(self) -> F8:
         """f8[m]: how much of each pose is the current state's; the rest is the source's."""
         result = np.ones(len(self.state))
-        for number in np.unique(self.transition[self.source != NO_FADE]):
+        fades = self.source != NO_FADE
+        for number in np.unique(self.transition[fades]) if fades.any() else ():
             who = (self.transition == number) & (self.source != NO_FADE)
             transition = self.graph.transitions[number]
             result[who] = fade(self.elapsed[who] / transition.seconds, transition.curve)

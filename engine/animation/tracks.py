@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -43,26 +44,13 @@ def pack(clip: ClipAsset, node_rows: ArrayLike, findings: Findings | None = None
     Morph weights are no node column and left to whoever owns the mesh.
     """
     notes = findings if findings is not None else Findings()
-    rows = np.asarray(node_rows, np.int64)
     channels: dict[tuple[int, str], tuple[str, F8, F8]] = {}
-    for index, channel in enumerate(clip.channels):
-        place = f"channels[{index}]"
-        if channel.path not in WIDTHS:
-            if channel.path != "weights":
-                notes.warn("clip.path", f"unknown path {channel.path!r}, left out", place)
-            continue
-        if channel.interpolation not in INTERPOLATIONS:
-            notes.warn("clip.interpolation", f"unknown interpolation {channel.interpolation!r}, left out", place)
-            continue
-        if not 0 <= channel.node < len(rows):
-            notes.warn("clip.node", f"no node {channel.node} ({channel.target!r}), left out", place)
-            continue
+    for row, channel, place in _usable(clip, np.asarray(node_rows, np.int64), notes):
         keys = _keys(channel, notes, place)
-        row = int(rows[channel.node])
         if keys is None or row < 0:
             continue
         if (row, channel.path) in channels:
-            notes.warn("clip.twice", f"{channel.path} of {channel.target!r} is animated twice, the last counts", place)
+            _note_twice(channel, notes, place)
         channels[row, channel.path] = (channel.interpolation, *keys)
     tracks = []
     for path in WIDTHS:
@@ -78,6 +66,37 @@ def pack(clip: ClipAsset, node_rows: ArrayLike, findings: Findings | None = None
                     )
                 )  # fmt: skip
     return tracks
+
+
+def survey(clip: ClipAsset, node_rows: ArrayLike, findings: Findings) -> tuple[I8, float]:
+    """What `pack` would find of a clip whose keys are good, without reading them: the rows that it moves, rising, and
+    the seconds to the last key."""
+    found: dict[tuple[int, str], float] = {}
+    for row, channel, place in _usable(clip, np.asarray(node_rows, np.int64), findings):
+        if row >= 0 and len(channel.times):
+            if (row, channel.path) in found:
+                _note_twice(channel, findings, place)
+            found[row, channel.path] = float(channel.times[-1])
+    return np.array(sorted({row for row, _ in found}), np.int64), max(found.values(), default=0.0)
+
+
+def _usable(clip: ClipAsset, rows: I8, notes: Findings) -> Iterator[tuple[int, Channel, str]]:
+    """(row, channel, place in the clip) of channels of known paths, interpolations and nodes."""
+    for index, channel in enumerate(clip.channels):
+        place = f"channels[{index}]"
+        if channel.path not in WIDTHS:
+            if channel.path != "weights":
+                notes.warn("clip.path", f"unknown path {channel.path!r}, left out", place)
+        elif channel.interpolation not in INTERPOLATIONS:
+            notes.warn("clip.interpolation", f"unknown interpolation {channel.interpolation!r}, left out", place)
+        elif not 0 <= channel.node < len(rows):
+            notes.warn("clip.node", f"no node {channel.node} ({channel.target!r}), left out", place)
+        else:
+            yield int(rows[channel.node]), channel, place
+
+
+def _note_twice(channel: Channel, notes: Findings, place: str) -> None:
+    notes.warn("clip.twice", f"{channel.path} of {channel.target!r} is animated twice, the last counts", place)
 
 
 def _keys(channel: Channel, notes: Findings, place: str) -> tuple[F8, F8] | None:

@@ -6,6 +6,7 @@
     clip_deck.py         what poses it: clips, a timeline, or states; animation.py: an open *.animation.toml
     posed.py             vertices as they are drawn, on the CPU
     headless.py          a runtime rendered into an array, no window
+    feature_pixels.py    which features of shader variants never change a pixel of a scene
     doctor.py            what this machine has and lacks
     system_libraries.py  the shared libraries of the system; standard library only, also read by packaging/
 

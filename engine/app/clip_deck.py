@@ -19,7 +19,7 @@ from engine.assets.clip import ClipAsset
 from engine.assets.records import did_you_mean
 from engine.core.errors import InputError
 from engine.math import quat
-from engine.scene.copies import Copies
+from engine.scene.copies import PATHS, Copies, OwnPlaces
 from engine.scene.morphs import MorphTable
 from engine.scene.nodes import NodeTable
 
@@ -51,8 +51,9 @@ class ClipDeck:
         self.root_motion = True
         self.fired = Fired()
         self.asleep = 0
-        #: nodes that are posed as others are
-        self.copies = Copies()
+        self._copies = Copies()
+        #: where those copies stand that have a place of their own
+        self.places = OwnPlaces(nodes)
         self._rows: I8 = NO_ROWS
         self._top = -1
         self._nodes, self._morphs = nodes, morphs
@@ -61,6 +62,16 @@ class ClipDeck:
         self._time = 0.0
         #: clip name -> number
         self._numbers = {clip.name: i for i, clip in enumerate(clips)}
+
+    @property
+    def copies(self) -> Copies:
+        """The nodes that are posed as others are."""
+        return self._copies
+
+    @copies.setter
+    def copies(self, copies: Copies) -> None:
+        self._copies = copies
+        self.places.adopt(copies)
 
     @property
     def time(self) -> float:
@@ -160,11 +171,11 @@ class ClipDeck:
         player = self.players[number]
         weights = self.morph_players[number] if self.morph_players else None
         if weights is None or self._morphs is None or not len(weights.numbers):
-            player.apply(self._nodes, time, self.mode, self.copies.moving)
+            player.apply(self._nodes, time, self.mode, self.copies, self.places)
             return
         # one time for transforms and weights, whichever ends first
         length = max(player.duration, weights.duration)
-        player.apply(self._nodes, wrap(time, length, self.mode), "once", self.copies.moving)
+        player.apply(self._nodes, wrap(time, length, self.mode), "once", self.copies, self.places)
         self._morphs.set(weights.numbers, weights.sample(wrap(time, length, self.mode)))
         self._repeat_weights(weights.numbers)
 
@@ -212,6 +223,10 @@ class ClipDeck:
 
     def _repeat(self, pose: F8, covers: NDArray[np.bool_]) -> None:
         """Give copies of the rig's nodes the `pose` f8[10,rig nodes], where something moves it."""
+        if not len(self.copies):
+            return
+        for path, part, moved in zip(PATHS, POSE_PARTS, covers, strict=True):
+            self.places.write(self.copies, path, self._rows[0][moved], pose[part][:, moved].T)
         which, to = self.copies.moving.repeat(self._rows[0])
         setters = (self._nodes.set_translation, self._nodes.set_rotation, self._nodes.set_scale)
         for part, moved, setter in zip(POSE_PARTS, covers, setters, strict=True):
@@ -242,6 +257,7 @@ class ClipDeck:
         return np.unique(np.concatenate(rows)) if rows else np.zeros(0, np.int64)
 
     def _rest_rows(self, rows: I8) -> None:
+        self.places.rest()
         which, to = self.copies.moving.repeat(rows)
         if len(to):
             self._nodes.set_trs(to, *(column[rows[which]] for column in self._rest))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -36,6 +36,7 @@ from engine.render.view import View
 from engine.resources.hot_reload import HotReload
 from engine.resources.residency import Residency
 from engine.scene.copies import copies_of
+from engine.scene.drift import DRIFT
 from engine.scene.light_profiles import check_profiles
 from engine.scene.scene import Scene
 from engine.scene.skins import METHODS
@@ -47,7 +48,8 @@ MANY_PICTURES = 1 << 40
 
 
 class Runtime:
-    """`scene`: the tables; `asset`: what was read; `clips`: its animation; `findings`: what went wrong on the way.
+    """`scene`: the tables; `asset`: what was read; `clips`: its animation, of which it
+    plays the first and drifting lights; `findings`: what went wrong on the way.
 
     `node_rows[i]` is the scene row of the asset's node i. `pixels`: how many it will draw, about:
     MANY_PICTURES for a window; a software rasteriser prepares textures accordingly.
@@ -71,6 +73,8 @@ class Runtime:
         self.clips: list[ClipAsset] = []
         self.players: list[ClipPlayer] = []
         self.deck = ClipDeck(self.scene.nodes, self.clips, self.players)
+        #: clips made since the scene was opened, by whoever made them: they play beside what the deck plays
+        self.beside: dict[Hashable, tuple[ClipAsset, ClipPlayer]] = {}
         self.animation: Animation | None = None
         #: leave out sampling what nobody saw in the last picture; for windows: pictures of a sequence must not depend
         #: on those before
@@ -123,6 +127,8 @@ class Runtime:
             except InputError as error:
                 self.findings.error("clip.unreadable", str(error), hint="the scene is shown without it")
         self.deck = ClipDeck(self.scene.nodes, self.clips, self.players, self.scene.morphs, self.node_rows)
+        self.scene.places = self.deck.places
+        self.deck.active += [i for i, clip in enumerate(self.clips) if i and clip.name == DRIFT]
         if asset.animation:
             try:
                 self._animate(base / asset.animation, asset.drive)
@@ -226,12 +232,19 @@ class Runtime:
     @property
     def duration(self) -> float:
         """Seconds of the longest clip that plays; 0 where none does."""
-        return self.deck.duration
+        return max([self.deck.duration, *(player.duration for _clip, player in self.beside.values())])
 
     def play(self, *clips: int | str, mode: str = "loop", speed: float = 1.0) -> None:
         """Play these clips (numbers or names) instead; see ClipDeck.play. A scene opens playing its first."""
         self._find_copies()  # what played so far goes to rest, copies too
         self.deck.play(*clips, mode=mode, speed=speed)
+        self._posed_at = math.nan
+
+    def play_beside(self, key: Hashable, clip: ClipAsset | None) -> None:
+        """Play a clip whose channels count nodes by scene rows, beside all else, until it is None for that `key`."""
+        self.beside.pop(key, None)
+        if clip is not None:
+            self.beside[key] = (clip, ClipPlayer(clip, np.arange(len(self.scene.nodes))))
         self._posed_at = math.nan
 
     def animate(self, path: Path, drive: str = "") -> Animator | None:
@@ -299,7 +312,7 @@ class Runtime:
         if self.deck.animator is not None:
             self._find_copies()
             self.deck.animator.seek(time_s)
-            self.deck.apply(self.deck.time)
+            self._pose(self.deck.time)
             self.scene.update()
         else:
             self.update(time_s)
@@ -312,8 +325,13 @@ class Runtime:
         self._find_copies()
         if time_s != self._posed_at:
             self._posed_at = time_s
-            self.deck.apply(time_s, *self._seen())
+            self._pose(time_s, *self._seen())
         self.scene.update()
+
+    def _pose(self, time_s: float, visible: NDArray[np.bool_] | None = None, seers: Seers | None = None) -> None:
+        self.deck.apply(time_s, visible, seers)
+        for _clip, player in self.beside.values():
+            player.apply(self.scene.nodes, time_s * self.deck.speed, self.deck.mode)
 
     def _find_copies(self) -> None:
         """After structural changes: which nodes play along with which."""
@@ -359,6 +377,13 @@ class Runtime:
         """One picture; its counters also say how many animations the last update posed, and how many were asleep."""
         frame = self.renderer.render(self.scene, view, hdr=hdr)
         frame.stats.counters |= {"animations": self.deck.playing, "animations_asleep": self.deck.asleep}
+        return frame
+
+    def follow(self, view: View, patience: float) -> Frame | None:
+        """As `render`, for windows: None while shader programs are made, for about `patience` seconds a call."""
+        frame = self.renderer.follow(self.scene, view, patience)
+        if frame is not None:
+            frame.stats.counters |= {"animations": self.deck.playing, "animations_asleep": self.deck.asleep}
         return frame
 
     def pick(self, view: View, x: float, y: float) -> int:

@@ -6,10 +6,11 @@
     material.py MaterialAsset, TextureRef         material_toml.py *.material.toml
     scene.py    SceneAsset, NodeAsset …           scene_json.py   *.scene.json (one node a line)
     ies.py      PhotometricProfile: foreign, but read as it is, since a luminaire's maker signs for its bytes
-    samples/    scenes made by code: atrium, poles
+    samples/    scenes made by code: walker, atrium, poles
     environment_dds.py  baked environments: a prefiltered cube with SH9 in its extras
 
     quantized.py: vertex streams of an .lmesh in 16 bits of their box, where a mesh asks for it
+    key_codes.py: keys of an .lanim in 16 bits, where the error that was allowed lets them be
 
     mapping.py (mapped files), container.py (safetensors), dds_legacy.py (old pixel formats), records.py (dataclasses
     from and to JSON) serve the readers.

@@ -141,7 +141,8 @@ class LayerModel(_Table):
 
 class BlockModel(_Table):
     """A clip on a track: from `start` for `length` seconds, its own time beginning at `offset` and running at `speed`;
-    `play` says what happens beyond its ends. `sync`: in step, by phase, with the track's other blocks that are."""
+    `play` says what happens beyond its ends. `sync`: in step, by phase, with the track's other blocks that are.
+    `weight`: its share among the blocks that play at the same time; less than 1 in all lets what lies below through."""
 
     clip: Name
     start: Seconds = 0.0
@@ -153,6 +154,7 @@ class BlockModel(_Table):
     curve: Curve = "smooth"
     play: Mode = "loop"
     sync: bool = False
+    weight: Share = 1.0
 
 
 class TrackModel(_Table):

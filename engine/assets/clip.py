@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
+
+from engine.assets.key_codes import KeyCodes
 
 PATHS = {"translation": 3, "rotation": 4, "scale": 3, "weights": 0}
 INTERPOLATIONS = ("step", "linear", "cubic")
@@ -25,6 +27,54 @@ class Channel:
     times: NDArray[np.float32]
     values: NDArray[np.float32]
     target: str = ""
+
+    @property
+    def codes(self) -> KeyCodes | None:
+        """The keys as they are stored where that is not float32: then `values` are decoded when first asked for."""
+        return None
+
+    def of_node(self, node: int) -> Channel:
+        """The same keys for another node."""
+        return self if node == self.node else replace(self, node=node)
+
+
+class CodedChannel(Channel):
+    """A channel of keys in 16 bits. `values` are read-only; setting them makes it a channel of float32 keys."""
+
+    __slots__ = ("_codes", "_decoded")
+
+    def __init__(
+        self, node: int, path: str, interpolation: str, times: NDArray[np.float32],
+        values: NDArray[np.float32] | KeyCodes, target: str = "",
+    ) -> None:  # fmt: skip
+        self._codes: KeyCodes | None = None
+        self._decoded: NDArray[np.float32] | None = None
+        if isinstance(values, KeyCodes):
+            self._codes = values
+        else:
+            self._decoded = values
+        self.node, self.path, self.interpolation, self.times, self.target = node, path, interpolation, times, target
+
+    @property
+    def codes(self) -> KeyCodes | None:
+        return self._codes
+
+    @property
+    def values(self) -> NDArray[np.float32]:
+        if self._decoded is None:
+            assert self._codes is not None
+            self._decoded = self._codes.decode()
+            self._decoded.setflags(write=False)
+        return self._decoded
+
+    @values.setter
+    def values(self, values: NDArray[np.float32]) -> None:
+        self._decoded, self._codes = values, None
+
+    def of_node(self, node: int) -> Channel:
+        if node == self.node or self._codes is None:
+            return super().of_node(node)
+        return CodedChannel(node, self.path, self.interpolation, self.times, self._codes, self.target)
 
 
 @dataclass(slots=True)

@@ -1,7 +1,7 @@
 """Which nodes a clip's channels move: clips know nodes by number, and nodes are added, removed, copied, reordered.
 
 A node's clip number is its `clip_node`, else its own index. Several nodes of one number are copies of each other and
-move alike; a `placed` one keeps its transform and takes only morph weights.
+move alike; a `placed` one makes the same moves about a place of its own (scene.copies.OwnPlaces).
 """
 
 from __future__ import annotations
@@ -9,8 +9,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from engine.assets.clip import ClipAsset
+import numpy as np
+
+from engine.assets.clip import Channel, ClipAsset
 from engine.assets.scene import NodeAsset
+from engine.math import quat
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,7 +30,7 @@ class ClipNodes:
         for channel in clip.channels:
             index = (self.weighed if channel.path == "weights" else self.moved).get(channel.node)
             if index is not None:
-                channels.append(channel if index == channel.node else replace(channel, node=index))
+                channels.append(channel.of_node(index))
         return replace(clip, channels=channels)
 
 
@@ -60,5 +63,22 @@ def spread(clip: ClipAsset, nodes: Sequence[NodeAsset]) -> ClipAsset:
             channels.append(channel)  # a clip that does not fit: whoever reads it says so
         for index in of.get(channel.node, ()):
             if channel.path == "weights" or not nodes[index].placed:
-                channels.append(replace(channel, node=index))
+                channels.append(channel.of_node(index))
+            elif (leader := next((i for i in of[channel.node] if not nodes[i].placed), -1)) >= 0:
+                channels.append(_about(channel, nodes[leader], nodes[index], index))
     return replace(clip, channels=channels)
+
+
+def _about(channel: Channel, leader: NodeAsset, node: NodeAsset, index: int) -> Channel:
+    """The channel of a placed node: the leader's moves from where that rests, made from where the node stands."""
+    keys = np.array(channel.values, np.float64)
+    if channel.path == "rotation":
+        turn = quat.multiply(quat.normalize(node.rotation), quat.conjugate(quat.normalize(leader.rotation)))
+        keys = quat.multiply(np.broadcast_to(turn, keys.shape), keys)
+    elif channel.path == "scale":
+        rest = np.asarray(leader.scale, np.float64)
+        keys *= np.asarray(node.scale, np.float64) / np.where(rest == 0.0, 1.0, rest)
+    else:  # of a cubic key the place, not the tangents
+        places = keys[:, 1] if channel.interpolation == "cubic" else keys
+        places += np.asarray(node.translation, np.float64) - np.asarray(leader.translation, np.float64)
+    return Channel(index, channel.path, channel.interpolation, channel.times, keys.astype(np.float32), node.name)

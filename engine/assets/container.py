@@ -69,11 +69,11 @@ def write_container(path: Path, metadata: Mapping[str, Any], arrays: Mapping[str
                 file.write(block.reshape(-1).view(np.uint8).data)
 
 
-def read_container(path: Path, schema: str) -> tuple[dict[str, Any], Arrays]:
+def read_container(path: Path, schema: str, *older: str) -> tuple[dict[str, Any], Arrays]:
     """The metadata and the arrays (read-only views of the mapped file).
 
     Checks the header, that every array lies inside the file with the size its shape and dtype say, and that the
-    metadata's `schema` is `schema`. Raises InputError, FormatError.
+    metadata's `schema` is `schema` or one of the `older`. Raises InputError, FormatError.
     """
     data = map_file(path)
     where = str(path)
@@ -89,7 +89,7 @@ def read_container(path: Path, schema: str) -> tuple[dict[str, Any], Arrays]:
     except (ValueError, RecursionError, KeyError, TypeError) as error:
         raise FormatError(f"the header is not that of a Lucarna file: {error}", where=where) from error
     found = metadata.get("schema") if isinstance(metadata, dict) else None
-    if not isinstance(metadata, dict) or found != schema:
+    if not isinstance(metadata, dict) or found not in (schema, *older):
         raise FormatError(f"schema is {found!r}, expected {schema!r}", where=where, hint="convert the source again")
     body = np.frombuffer(data, np.uint8, offset=8 + length)
     arrays: Arrays = {}

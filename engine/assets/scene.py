@@ -32,7 +32,8 @@ class LightAsset:
     ellipse); `two_sided` lets it shine along +Z too. `range`: where the light ends, from the light's nearest point;
     0 = nowhere. `temperature` (kelvin, 0 = none) multiplies the colour by that of a black body of the same luminance.
     `profile`: path of an IES file, relative to the scene file, that shapes a point or spot light; `intensity` is
-    then the candela where the profile is brightest.
+    then the candela where the profile is brightest. `casts_shadow`: things hide the light of a point or spot light
+    (the first directional one always casts, the others and area lights never).
     """
 
     type: str = "directional"
@@ -46,6 +47,7 @@ class LightAsset:
     two_sided: bool = False
     temperature: float = 0.0
     profile: str = ""
+    casts_shadow: bool = False
 
 
 @dataclass(slots=True)
@@ -80,7 +82,7 @@ class NodeAsset:
     weights: list[float] = field(default_factory=list)
     #: the number that clips know it by where that is not its index (see clip_nodes); -1: no clip moves it
     clip_node: int | None = None
-    #: its place is not the clips' affair: of them it takes morph weights only
+    #: clips move it from where it stands, as they move the first node of its number from where that stands
     placed: bool = False
     extras: dict[str, object] = field(default_factory=dict)
 

@@ -80,6 +80,7 @@ _LIGHT = Record(
         "two_sided": boolean,
         "temperature": number(0.0),
         "profile": string,
+        "casts_shadow": boolean,
     },
 )
 _MESH = Record(MeshRef, {"file": string, "index": integer(0), "name": string, "materials": items(string)})

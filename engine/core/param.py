@@ -15,6 +15,7 @@ import math
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from engine.core.color_text import is_color_text, parse_color
 from engine.core.errors import UsageError
 
 #: Parameter types and their component counts. Textures have none: they become slots.
@@ -29,7 +30,10 @@ Value = float | int | bool | str | tuple[float, ...]
 @dataclass(frozen=True, slots=True)
 class Param:
     """A tunable value: `default`, inclusive range [`min`, `max`], `unit`, `choices` (for enum), `space` (srgb|linear),
-    `doc`. Colours are scene-linear Rec.709."""
+    `doc`. Colours are scene-linear Rec.709, and may be given as text (color_text.py).
+
+    `group`, `order`: where an editor shows it (by group, then order, then as declared); `when`: a condition under which
+    it matters ('' always)."""
 
     name: str
     type: str
@@ -41,6 +45,9 @@ class Param:
     choices: tuple[str, ...] = ()
     space: str = "linear"
     doc: str = ""
+    group: str = ""
+    order: float = 0.0
+    when: str = ""
 
     def check(self, value: Any) -> Value:
         """Return `value` converted and range-checked; raises UsageError that names the parameter, value and range."""
@@ -60,9 +67,13 @@ class Param:
                         raise UsageError(f"{self.name}: {value!r} is not true or false")
                     return lowered in {"1", "true", "on", "yes"}
                 return bool(value)
+            if self.type in ("color3", "color4") and is_color_text(value):
+                value = parse_color(self.name, value, count)
             if isinstance(value, str):
                 value = [float(v) for v in value.replace(",", " ").split()]
             parts = tuple(float(v) for v in (value if isinstance(value, (list, tuple)) else [value]))
+            if self.type == "color4" and len(parts) == 3:
+                parts = (*parts, 1.0)  # opaque
             if len(parts) != count:
                 raise UsageError(f"{self.name}: expected {count} number(s) for {self.type}, got {len(parts)}")
         except (TypeError, ValueError) as error:

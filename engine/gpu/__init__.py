@@ -15,6 +15,7 @@
     types         the contract: descriptors and protocols        formats     what one texel or vertex is made of
     validate      wrong calls, the same words in every backend   glsl_layout std140/std430 <-> numpy
     preprocess    #include, defines, line map                    compile_log driver logs -> ShaderError
+    program_cache linked programs kept on the disk
     gl/           OpenGL 4.5 (4.3 + DSA + clip control)          null/       records the call stream, no GPU
 
 May import engine.core and engine.assets (formats). No graphics library is imported before open_device.

@@ -1,8 +1,12 @@
-"""Driver logs -> ShaderError: the three forms in use, mapped back to the files, each with its source line and a caret.
+"""Driver logs -> ShaderError: the forms in use, mapped back to the files, each with its source line and a caret.
 
-Mesa          0:7(11): error: `x' undeclared          (intel's and AMD's open drivers too)
-NVIDIA        0(7) : error C1008: undefined variable "x"
-AMD, Intel    ERROR: 0:7: 'x' : undeclared identifier
+Mesa          0:7(11): error: `x' undeclared          (Intel's and AMD's open drivers too; also `preprocessor error`)
+NVIDIA        0(7) : error C1503: undefined variable "x"
+AMD           ERROR: 0:7: error(#143) Undeclared identifier: x
+Intel         ERROR: 0:7: 'x' : undeclared identifier            ERROR: 0:? : '' : syntax error: #line
+ANGLE, Apple  ERROR: 0:7: 'x' : undeclared identifier            ERROR: 0:7: Use of undeclared identifier 'x'
+
+Sums (`2 compilation errors. No code generated`, `compilation terminated`) and what is told twice are left out.
 """
 
 from __future__ import annotations
@@ -15,13 +19,23 @@ from engine.core.errors import Place, ShaderError
 from engine.gpu.types import ShaderSource
 
 _FORMS = (
-    re.compile(r"^\d+:(?P<line>\d+)\((?P<column>\d+)\)\s*:\s*(?P<kind>error|warning)\s*:?\s*(?P<text>.*)$", re.I),
+    re.compile(
+        r"^\d+:(?P<line>\d+)\((?P<column>\d+)\)\s*:\s*(?:preprocessor\s+)?(?P<kind>error|warning)\s*:?\s*(?P<text>.*)$",
+        re.I,
+    ),
     re.compile(r"^\d+\((?P<line>\d+)\)\s*:\s*(?P<kind>(?:fatal )?error|warning)\s*(?P<text>.*)$", re.I),
-    re.compile(r"^(?P<kind>ERROR|WARNING)\s*:\s*\d+:(?P<line>\d+)\s*:\s*(?P<text>.*)$", re.I),
+    re.compile(
+        r"^(?P<kind>ERROR|WARNING)\s*:\s*\d+:(?P<line>\d+|\?)\s*:\s*(?:(?:error|warning)\(#\d+\)\s*)?(?P<text>.*)$",
+        re.I,
+    ),
 )
 _QUOTED = re.compile(r"[\"'`]([A-Za-z_]\w*)[\"'`]")
+_SUM = re.compile(r"compilation (?:errors?\b|terminated)", re.I)
+_NAMED = re.compile(r"(?:identifier|function found)\s*:\s*([A-Za-z_]\w*)")
 _UNKNOWN = re.compile(
-    r"undeclared|undefined|not declared|no (?:such |matching )*(?:function|field|member)|cannot access field", re.I
+    r"undeclared|undefined|not declared|cannot access field"
+    r"|no (?:such |matching |overloaded )*(?:function|field|member)",
+    re.I,
 )
 _NAME = re.compile(r"[A-Za-z_]\w{2,}")
 SHOWN = 8  # errors after the first few follow from them
@@ -46,7 +60,10 @@ def parse_log(log: str) -> list[LogEntry]:
             if match:
                 groups = match.groupdict()
                 kind = "warning" if groups["kind"].lower() == "warning" else "error"
-                entries.append(LogEntry(kind, int(groups["line"]), int(groups.get("column") or 0), groups["text"]))
+                line = int(groups["line"]) if groups["line"] != "?" else 0
+                entry = LogEntry(kind, line, int(groups.get("column") or 0), groups["text"].strip())
+                if entry not in entries and not _SUM.search(entry.text):
+                    entries.append(entry)
                 break
     return entries
 
@@ -89,7 +106,7 @@ def _did_you_mean(text: str, message: str) -> str:
     if not _UNKNOWN.search(message):
         return ""
     known = set(_NAME.findall(text))
-    for name in _QUOTED.findall(message):
+    for name in _names(message):
         uses = len(re.findall(rf"\b{re.escape(name)}\b", text))
         near = [n for n in difflib.get_close_matches(name, sorted(known - {name}), 3, 0.75) if text.count(n) > uses]
         if near:
@@ -113,11 +130,16 @@ def _column(code: str, entry: LogEntry) -> int:
     if entry.column:
         starts = [m.start() for m in re.finditer(r"\s+|\S", code)]
         told = starts[entry.column - 1] + 1 if entry.column <= len(starts) else 0
-    for name in _QUOTED.findall(entry.text):
+    for name in _names(entry.text):
         columns = [m.start() + 1 for m in re.finditer(rf"\b{re.escape(name)}\b", code)]
         if columns:
             return min(columns, key=lambda column: abs(column - told))
     return told
+
+
+def _names(message: str) -> list[str]:
+    """The names that a message is about."""
+    return [*_QUOTED.findall(message), *_NAMED.findall(message)]
 
 
 def _excerpt(code: str, column: int) -> str:

@@ -16,6 +16,7 @@ from engine.gpu.types import TextureDesc
 #: block width in texels and bytes per block, as in engine.assets.texture.FORMATS, with the target formats added
 BLOCKS: dict[str, tuple[int, int]] = {
     **FORMATS, "rg11b10f": (1, 4), "rgb10a2": (1, 4), "r32ui": (1, 4), "rg32ui": (1, 8), "d32f": (1, 4),
+    "d32f-s8": (1, 8),
 }  # fmt: skip
 
 #: format -> (number type, channels) that Texture.read gives; packed formats come unpacked as f4, blocks decoded
@@ -24,13 +25,16 @@ READ_AS: dict[str, tuple[str, int]] = {
     "r16f": ("<f2", 1), "rg16f": ("<f2", 2), "rgba16f": ("<f2", 4),
     "r32f": ("<f4", 1), "rg32f": ("<f4", 2), "rgba32f": ("<f4", 4),
     "rg11b10f": ("<f4", 3), "rgb10a2": ("<f4", 4), "r32ui": ("<u4", 1), "rg32ui": ("<u4", 2), "d32f": ("<f4", 1),
+    "d32f-s8": ("<f4", 1),  # its depth
     # blocks come decoded by the driver
     "bc1": ("<u1", 4), "bc1-srgb": ("<u1", 4), "bc3": ("<u1", 4), "bc3-srgb": ("<u1", 4), "bc4": ("<u1", 1),
     "bc5": ("<u1", 2), "bc6h": ("<f2", 4), "bc7": ("<u1", 4), "bc7-srgb": ("<u1", 4),
 }  # fmt: skip
 
 INTEGER = frozenset({"r32ui", "rg32ui"})
-DEPTH = frozenset({"d32f"})
+DEPTH = frozenset({"d32f", "d32f-s8"})
+#: those of DEPTH with 8 bits of stencil
+STENCIL = frozenset({"d32f-s8"})
 SRGB = frozenset(name for name in BLOCKS if name.endswith("-srgb"))
 COMPRESSED = frozenset(name for name, (block, _) in BLOCKS.items() if block > 1)
 #: formats that image load/store takes

@@ -8,7 +8,7 @@ from engine.gpu.types import ComputePipelineDesc, RenderPipelineDesc, ShaderSour
 def sources_of(desc: RenderPipelineDesc | ComputePipelineDesc) -> tuple[ShaderSource, ...]:
     if isinstance(desc, ComputePipelineDesc):
         return (desc.compute,)
-    return (desc.vertex,) if desc.fragment is None else (desc.vertex, desc.fragment)
+    return desc.stages
 
 
 def program_key(desc: RenderPipelineDesc | ComputePipelineDesc) -> tuple[object, ...]:
@@ -20,4 +20,7 @@ def pipeline_key(desc: RenderPipelineDesc | ComputePipelineDesc) -> tuple[object
     """Equal for descriptors that draw alike, whatever their labels and line maps."""
     if isinstance(desc, ComputePipelineDesc):
         return program_key(desc)
-    return (*program_key(desc), desc.attributes, desc.topology, desc.depth, desc.blend, desc.raster)
+    return (
+        *program_key(desc), desc.attributes, desc.topology, desc.depth, desc.blend, desc.raster, desc.stencil,
+        desc.patch_vertices, desc.blend_constant,
+    )  # fmt: skip

@@ -10,6 +10,7 @@ import os
 import re
 from collections.abc import Mapping, MutableMapping, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from pathlib import Path
 
 from engine.core.errors import Place, ShaderError, UsageError
@@ -21,6 +22,7 @@ MAX_NAMES = 2000  # of files that a wrong name is compared with
 MAX_LINES = 200_000  # of the flattened text
 MAX_INCLUDES = 2000  # that one text follows: conditional includes could multiply
 
+_HEEDED = frozenset({"include", "version", "if", "ifdef", "ifndef", "endif"})
 _DIRECTIVE = re.compile(r"\s*#\s*(\w+)")
 _INCLUDE = re.compile(r'\s*#\s*include\s*"([^"]+)"\s*(//.*|/\*.*\*/\s*)?$')
 
@@ -38,9 +40,34 @@ class _Flattening:
     conditional: dict[Path, str] = field(default_factory=dict)
     texts: MutableMapping[Path, str] = field(default_factory=dict)
     includes: int = 0
+    #: (including folder, what it says) -> the file and its resolved path; the same few are asked for again and again
+    found: dict[tuple[Path | None, str], tuple[Path, Path] | None] = field(default_factory=dict)
+    resolved: dict[Path, Path] = field(default_factory=dict)
+
+    def resolve(self, path: Path) -> Path:
+        key = self.resolved.get(path)
+        if key is None:
+            key = self.resolved[path] = path.resolve()
+        return key
 
     def has(self, path: Path) -> bool:
-        return path.is_file() or path.resolve() in self.texts
+        return path.is_file() or self.resolve(path) in self.texts
+
+    def find(self, folder: Path | None, wanted: str) -> tuple[Path, Path] | None:
+        """The file that `wanted` means, beside the including one or in `search`, and its resolved path."""
+        asked = (folder, wanted)
+        if asked not in self.found:
+            bases = ([folder] if folder is not None else []) + self.search
+            path = next((base / wanted for base in bases if self.has(base / wanted)), None)
+            self.found[asked] = None if path is None else (path, self.resolve(path))
+        return self.found[asked]
+
+    def put_all(self, lines: Sequence[str], file: str, first: int) -> None:
+        """Lines of a file, from number `first`."""
+        self.text += lines
+        self.lines += [(file, number) for number in range(first, first + len(lines))]
+        if len(self.text) > MAX_LINES:
+            raise ShaderError(f"more than {MAX_LINES} lines after #include", where=Place(file, first))
 
     def put(self, line: str, file: str, number: int) -> None:
         self.text.append(line)
@@ -81,7 +108,7 @@ def flatten(
 
 def _add_file(state: _Flattening, path: Path, depth: int) -> None:
     """Append a file unless it is there already."""
-    key = path.resolve()
+    key = state.resolve(path)
     if key in state.done:
         return
     guard = state.conditional.get(key, "")
@@ -100,24 +127,37 @@ def _add_file(state: _Flattening, path: Path, depth: int) -> None:
 
 
 def _add_text(state: _Flattening, text: str, file: str, folder: Path | None, depth: int) -> None:
-    in_comment = False
-    for number, line in enumerate(text.splitlines() or [""], 1):
-        directive = None if in_comment else _DIRECTIVE.match(line)
-        in_comment = _comment_goes_on(line, in_comment)
-        name = directive[1] if directive else ""
+    lines, directives = _scan(text)
+    at = 0
+    for index, name in directives:
+        line, number = lines[index], index + 1
         if name == "include":
+            state.put_all(lines[at:index], file, at + 1)
+            at = index + 1
             _include(state, line, Place(file, number, line.index("#") + 1), folder, depth)
-            continue
-        if name == "version":
+        elif name == "version":
             raise ShaderError(
                 "#version does not belong in a shader file: the graphics backend writes it",
                 where=Place(file, number, line.index("#") + 1), hint="remove the line",
             )  # fmt: skip
-        if name in ("if", "ifdef", "ifndef"):
-            depth += 1
-        elif name == "endif":
-            depth -= 1
-        state.put(line, file, number)
+        else:
+            depth += 1 if name != "endif" else -1
+    state.put_all(lines[at:], file, at + 1)
+
+
+@lru_cache(maxsize=512)  # variants are made from the same few files again and again
+def _scan(text: str) -> tuple[tuple[str, ...], tuple[tuple[int, str], ...]]:
+    """The lines, and which of them (from 0) are directives that matter here, outside of comments."""
+    lines = tuple(text.splitlines()) or ("",)
+    found = []
+    in_comment = False
+    for index, line in enumerate(lines):
+        directive = None if in_comment or "#" not in line else _DIRECTIVE.match(line)
+        if in_comment or "/*" in line:
+            in_comment = _comment_goes_on(line, in_comment)
+        if directive and directive[1] in _HEEDED:
+            found.append((index, directive[1]))
+    return lines, tuple(found)
 
 
 def _include(state: _Flattening, line: str, place: Place, folder: Path | None, depth: int) -> None:
@@ -126,17 +166,13 @@ def _include(state: _Flattening, line: str, place: Place, folder: Path | None, d
         raise ShaderError('#include needs a file in double quotes: #include "lib/x.glsl"', where=place)
     wanted = match[1]
     place = Place(place.file, place.line, line.index('"') + 1)
-    found = None
-    for base in ([folder] if folder is not None else []) + state.search:
-        if state.has(base / wanted):
-            found = base / wanted
-            break
-    if found is None:
+    known = state.find(folder, wanted)
+    if known is None:
         raise ShaderError(
             f"#include {wanted!r} is neither beside this file nor in {', '.join(map(str, state.search))}",
             where=place, hint=_did_you_mean(wanted, state.search + ([folder] if folder else [])),
         )  # fmt: skip
-    key = found.resolve()
+    found, key = known
     if not any(key.is_relative_to(root) for root in state.roots):
         raise ShaderError(
             f"#include {wanted!r} lies outside the shader folders", where=place, hint="copy the file into one of them"
@@ -154,7 +190,7 @@ def _include(state: _Flattening, line: str, place: Place, folder: Path | None, d
 
 
 def _read(state: _Flattening, path: Path) -> str:
-    key = path.resolve()
+    key = state.resolve(path)
     if key in state.texts:
         return state.texts[key]
     try:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 # --- formats -------------------------------------------------------------------------------------------------------
 
 #: colour and data formats are those of engine.assets.texture.FORMATS plus these targets
-TARGET_FORMATS = ("rg11b10f", "rgb10a2", "r32ui", "rg32ui", "d32f")
+TARGET_FORMATS = ("rg11b10f", "rgb10a2", "r32ui", "rg32ui", "d32f", "d32f-s8")
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,6 +41,9 @@ class Caps:
     max_uniform_bytes: int = 65536
     max_samples: int = 1  # of a multisampled colour and depth texture
     sample_counts: tuple[int, ...] = ()  # that such textures really have, ascending; asked for others they get more
+    tessellation: bool = True
+    geometry: bool = True
+    max_patch_vertices: int = 32
 
     def samples_for(self, wanted: int) -> int:
         """The least number of samples a pixel that textures have and that is at least `wanted`, else the most."""
@@ -68,8 +71,9 @@ class TextureDesc:
 
 @dataclass(frozen=True, slots=True)
 class SamplerDesc:
-    """`min_filter` as in engine.assets.material.FILTERS; wraps: repeat | mirror | clamp. `compare`: '' or a depth
-    function as in DepthState."""
+    """`min_filter` as in engine.assets.material.FILTERS; wraps: repeat | mirror | clamp | border | mirror_once.
+    `compare`: '' or a depth function as in DepthState. `border`: rgba beyond the edge, for wrap `border`. Levels of
+    detail are counted in mips: `lod_bias` is added, then they are kept in [lod_min, lod_max]."""
 
     wrap_u: str = "repeat"
     wrap_v: str = "repeat"
@@ -78,6 +82,10 @@ class SamplerDesc:
     mag_filter: str = "linear"
     anisotropy: float = 1.0
     compare: str = ""
+    border: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+    lod_bias: float = 0.0
+    lod_min: float = -1000.0
+    lod_max: float = 1000.0
 
 
 class Buffer(Protocol):
@@ -133,8 +141,9 @@ class VertexAttribute:
 
 @dataclass(frozen=True, slots=True)
 class BlendState:
-    """Factors: zero one src_alpha one_minus_src_alpha dst_alpha one_minus_dst_alpha src_color dst_color …; ops: add
-    subtract reverse_subtract min max."""
+    """Factors: zero one src_alpha one_minus_src_alpha dst_alpha one_minus_dst_alpha src_color one_minus_src_color
+    dst_color one_minus_dst_color src_alpha_saturate constant one_minus_constant constant_alpha
+    one_minus_constant_alpha (of RenderPipelineDesc.blend_constant); ops: add subtract reverse_subtract min max."""
 
     src: str = "one"
     dst: str = "zero"
@@ -157,13 +166,40 @@ class DepthState:
 
 
 @dataclass(frozen=True, slots=True)
+class StencilFace:
+    """`compare`: (reference & read mask) against (stored & read mask). `fail`, `depth_fail`, `passed`: what then
+    becomes of the stored value: keep zero replace increment decrement invert increment_wrap decrement_wrap."""
+
+    compare: str = "always"
+    fail: str = "keep"
+    depth_fail: str = "keep"
+    passed: str = "keep"
+
+
+@dataclass(frozen=True, slots=True)
+class StencilState:
+    """Per face; masks and reference (0 to 255) are those of both."""
+
+    front: StencilFace = StencilFace()
+    back: StencilFace = StencilFace()
+    reference: int = 0
+    read_mask: int = 0xFF
+    write_mask: int = 0xFF
+
+
+@dataclass(frozen=True, slots=True)
 class RasterState:
-    """`cull`: none | back | front; front faces are counter-clockwise. `fill`: solid | wireframe."""
+    """`cull`: none | back | front; front faces are counter-clockwise. `fill`: solid | wireframe. `alpha_to_coverage`:
+    the alpha of target 0 decides which samples are covered. `sample_mask`: samples that are written at all. `scissor`:
+    x, y, width, height as parts of the attachment (0 to 1, from the top left), or None for all of it."""
 
     cull: str = "back"
     front_ccw: bool = True
     fill: str = "solid"
     depth_clamp: bool = False
+    alpha_to_coverage: bool = False
+    sample_mask: int = 0xFFFFFFFF
+    scissor: tuple[float, float, float, float] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -179,16 +215,31 @@ class ShaderSource:
 
 @dataclass(frozen=True, slots=True)
 class RenderPipelineDesc:
-    """All state of a draw in one value: two equal descs are the same pipeline."""
+    """All state of a draw in one value: two equal descs are the same pipeline.
+
+    With a `tess_evaluation` stage the topology is `patches`: every `patch_vertices` indices are one patch. `stencil`
+    needs a depth attachment of format d32f-s8; without one it does nothing."""
 
     label: str
     vertex: ShaderSource
     fragment: ShaderSource | None
     attributes: tuple[VertexAttribute, ...] = ()
-    topology: str = "triangles"  # triangles | triangle_strip | lines | points
+    topology: str = "triangles"  # triangles | triangle_strip | lines | points | patches
     depth: DepthState | None = field(default_factory=DepthState)
     blend: tuple[BlendState | None, ...] = (None,)
     raster: RasterState = RasterState()
+    stencil: StencilState | None = None
+    tess_control: ShaderSource | None = None
+    tess_evaluation: ShaderSource | None = None
+    geometry: ShaderSource | None = None
+    patch_vertices: int = 3
+    blend_constant: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+
+    @property
+    def stages(self) -> tuple[ShaderSource, ...]:
+        """The stages that there are, in the order of the pipeline."""
+        stages = (self.vertex, self.tess_control, self.tess_evaluation, self.geometry, self.fragment)
+        return tuple([stage for stage in stages if stage is not None])
 
 
 @dataclass(frozen=True, slots=True)
@@ -198,7 +249,10 @@ class ComputePipelineDesc:
 
 
 class Pipeline(Protocol):
+    """`loaded`: its program was not compiled but taken from the program cache."""
+
     label: str
+    loaded: bool
 
     def block_size(self, name: str) -> int:
         """Size in bytes that the linked program gives to uniform or storage block `name` (a trailing unsized array
@@ -223,12 +277,15 @@ class ColorAttachment:
 
 @dataclass(frozen=True, slots=True)
 class DepthAttachment:
-    """`read_only`: tested, never written, whatever the pipelines say. `layer` -1: all layers, chosen by gl_Layer."""
+    """`read_only`: tested, never written, whatever the pipelines say. `layer` -1: all layers, chosen by gl_Layer.
+    `clear`: also sets the stencil of a format that has one, to 0. `stencil`: the pipelines may write it, read-only
+    depth or not."""
 
     texture: Texture
     clear: float | None = None
     layer: int = 0
     read_only: bool = False
+    stencil: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -293,6 +350,7 @@ class Counters:
     bytes_uploaded: int = 0
     bytes_read: int = 0
     programs_compiled: int = 0
+    programs_loaded: int = 0  # taken from the program cache instead
     indirect_commands: int = 0
 
     def reset(self) -> None:
@@ -320,6 +378,13 @@ class Device(Protocol):
         """Cached by desc. Raises ShaderError with file:line:column when it does not compile."""
 
     def compute_pipeline(self, desc: ComputePipelineDesc) -> Pipeline: ...
+    def begin_pipeline(self, desc: RenderPipelineDesc | ComputePipelineDesc) -> bool:
+        """Start compiling, where the driver can do so aside; True when the pipeline can be had without a wait. Ask
+        again until it is; mistakes are told by `render_pipeline`."""
+
+    def abandon_pipelines(self) -> None:
+        """Let go what was begun and nobody asked for."""
+
     def render_pass(
         self, label: str, colors: Sequence[ColorAttachment], depth: DepthAttachment | None = None
     ) -> RenderPass: ...

@@ -28,8 +28,12 @@ from engine.gpu.types import (
 
 KINDS = ("2d", "2d-array", "cube", "3d")
 COMPARES = ("never", "less", "equal", "lequal", "greater", "notequal", "gequal", "always")
-TOPOLOGIES = ("triangles", "triangle_strip", "lines", "points")
-WRAPS = ("repeat", "mirror", "clamp")
+TOPOLOGIES = ("triangles", "triangle_strip", "lines", "points", "patches")
+WRAPS = ("repeat", "mirror", "clamp", "border", "mirror_once")
+STENCIL_OPS = (
+    "keep", "zero", "replace", "increment", "decrement", "invert", "increment_wrap", "decrement_wrap",
+)  # fmt: skip
+STAGE_FIELDS = ("vertex", "tess_control", "tess_evaluation", "geometry", "fragment")
 MIN_FILTERS = (
     "nearest",
     "linear",
@@ -39,6 +43,8 @@ MIN_FILTERS = (
     "linear_mip_linear",
 )
 ACCESSES = ("read", "write", "read_write")
+#: what OpenGL 4.0 has at least, and all have
+MAX_PATCH_VERTICES = 32
 
 
 def named(kind: str, label: str) -> str:
@@ -112,6 +118,8 @@ def texture_write(desc: TextureDesc, level: int, layer: int, size: int) -> None:
     texture_image(desc, level, layer)
     if desc.samples > 1:
         raise UsageError(f"{named('texture', desc.label)}: multisampled textures can only be drawn into")
+    if desc.format in formats.STENCIL:
+        raise UsageError(f"{named('texture', desc.label)}: {desc.format} can only be drawn into")
     expected = formats.image_bytes(desc, level)
     if size != expected:
         width, height = formats.image_size(desc, level)
@@ -160,9 +168,53 @@ def render_pipeline_desc(desc: RenderPipelineDesc) -> None:
     locations = [a.location for a in desc.attributes]
     if len(set(locations)) != len(locations):
         raise UsageError(f"pipeline {desc.label!r}: a vertex attribute location is used twice: {sorted(locations)}")
-    if desc.vertex.stage != "vertex" or (desc.fragment is not None and desc.fragment.stage != "fragment"):
-        raise UsageError(f"pipeline {desc.label!r}: the sources are not a vertex and a fragment stage")
+    for name in STAGE_FIELDS:
+        source = getattr(desc, name)
+        if source is not None and source.stage != name:
+            raise UsageError(f"pipeline {desc.label!r}: the source given for {name} is one of stage {source.stage}")
+    _stages(desc)
+    _stencil(desc)
+    _scissor(desc)
     stream_strides(desc.attributes)
+
+
+def _stages(desc: RenderPipelineDesc) -> None:
+    patches = desc.topology == "patches"
+    if patches != (desc.tess_evaluation is not None):
+        raise UsageError(
+            f"pipeline {desc.label!r}: topology {desc.topology!r} {'without' if patches else 'with'} a tess_evaluation "
+            "stage; patches and that stage go together"
+        )
+    if desc.tess_control is not None and desc.tess_evaluation is None:
+        raise UsageError(f"pipeline {desc.label!r}: a tess_control stage needs a tess_evaluation stage")
+    if patches and not 1 <= desc.patch_vertices <= MAX_PATCH_VERTICES:
+        raise UsageError(
+            f"pipeline {desc.label!r}: a patch has 1 to {MAX_PATCH_VERTICES} vertices, got {desc.patch_vertices}"
+        )
+
+
+def _stencil(desc: RenderPipelineDesc) -> None:
+    stencil = desc.stencil
+    if stencil is None:
+        return
+    for side in ("front", "back"):
+        face = getattr(stencil, side)
+        choice(f"pipeline {desc.label!r}: stencil {side} compare", face.compare, COMPARES)
+        for when in ("fail", "depth_fail", "passed"):
+            choice(f"pipeline {desc.label!r}: stencil {side} {when}", getattr(face, when), STENCIL_OPS)
+    for name in ("reference", "read_mask", "write_mask"):
+        value = getattr(stencil, name)
+        if not 0 <= value <= 255:
+            raise UsageError(f"pipeline {desc.label!r}: stencil {name} is 0 to 255, got {value}")
+
+
+def _scissor(desc: RenderPipelineDesc) -> None:
+    if desc.raster.scissor is not None:
+        x, y, width, height = desc.raster.scissor
+        if min(x, y, width, height) < 0.0 or max(x + width, y + height) > 1.0 + 1e-6:
+            raise UsageError(
+                f"pipeline {desc.label!r}: the scissor {desc.raster.scissor} leaves the attachment (parts, 0 to 1)"
+            )
 
 
 def stream_strides(attributes: tuple[VertexAttribute, ...]) -> dict[str, tuple[int, bool]]:

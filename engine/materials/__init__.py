@@ -1,14 +1,22 @@
 """Effects and materials: what a surface looks like, as data. May import assets, gpu, core; never scene or framegraph.
 
-    effect.py    Effect: features, params, texture slots, techniques; load_effect()
-    schema.py    the *.effect.toml schema (pydantic); mistakes with file:line:col, caret and did-you-mean
-    merge.py     `extends`, and which file each key came from
-    glsl.py      generated GLSL: MaterialParams, MaterialBlock, samplers, sample_<slot>()
-    features.py  resolve_features(): which features a material on a mesh switches on, and why
-    library.py   EffectLibrary: variants (pipelines), hot reload
-    variant.py   VariantRequest, Variant; compiling one
-    fit.py       what of a material an edited effect can still take
-    table.py     MaterialTable: the materials of an effect as rows of a storage buffer
+    effect.py        Effect: features, params, texture slots, techniques; load_effect()
+    schema.py        the *.effect.toml schema (pydantic), all its words; mistakes with file:line:col and did-you-mean
+    state_schema.py  the words of state groups and sampler groups
+    technique.py     Technique: levels, passes, stages, state, with what they inherit filled in
+    requirements.py  what a level may require of a device; which one is chosen
+    roles.py         what passes ask for; names of their targets; what stands in for a role that an effect has not
+    condition.py     `when`: under which condition a parameter matters
+    explain.py       levels, passes and absent roles in words, for `inspect` and `--explain`
+    merge.py         `extends` (engine.core.toml_merge)
+    glsl.py          generated GLSL: MaterialParams, MaterialBlock, samplers, sample_<slot>()
+    features.py      resolve_features(): which features a material on a mesh switches on, and why
+    library.py       EffectLibrary: variants (pipelines), hot reload
+    variant.py       VariantRequest, Variant; compiling one
+    pairing.py   whether a material's microfacet terms belong together
+    lobe_plots.py   curves of a material's lobe, albedo, terms: editor's explorer, `inspect --brdf`
+    fit.py           what of a material an edited effect can still take
+    table.py         MaterialTable: the materials of an effect as rows of a storage buffer
 
     *.effect.toml --schema--> Effect --row_layout--> MaterialTable.rows --> storage buffer (binding 2)
                                  |                       ^
@@ -16,5 +24,9 @@
                                  +--glsl(features) + *.vert, *.frag --> EffectLibrary.pipeline --> Pipeline
 
 A feature is a macro of the same name in upper case, always defined, 0 or 1. So are UV1 and UV_TRANSFORM (a texture
-reads the second uv set; is transformed), ROLE_<ROLE> and HAS_<STREAM> (the mesh's vertex streams).
+reads the second uv set; is transformed), ROLE_<ROLE> and HAS_<STREAM> (the mesh's vertex streams). A technique's own
+macros (`defines`) come after them.
+
+A technique has no compute stage: what it would fill belongs to no material and no pass yet, and what a pass computes
+is a pass of the renderer (engine.render.passes). An effect that says `compute` is told so.
 """

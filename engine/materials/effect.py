@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
 
 from engine.assets.mesh import STREAMS
-from engine.core.errors import InputError, UsageError
+from engine.core.errors import InputError, Place, UsageError
 from engine.core.param import Param
+from engine.core.toml_merge import Merged
+from engine.core.toml_source import KeyPath
 from engine.gpu.glsl_layout import BlockLayout
-from engine.gpu.types import BlendState, DepthState, RasterState
+from engine.gpu.types import BlendState, SamplerDesc
 from engine.materials import glsl
+from engine.materials.requirements import LEVELS
+from engine.materials.roles import TARGETS
 from engine.materials.suggest import hint
-
-LEVELS = ("low", "medium", "high")
+from engine.materials.technique import Technique, build
 
 #: blend names of effect files; None writes as it is
 BLENDS: Mapping[str, BlendState | None] = MappingProxyType(
@@ -48,32 +51,26 @@ class Feature:
     needs: tuple[str, ...] = ()
 
 
+def texture_unit(index: int) -> int:
+    """The unit of a slot by its place: the first ones below those of the renderer (8 to 31), the rest above."""
+    return index if index < 8 else 24 + index
+
+
 @dataclass(frozen=True, slots=True)
 class TextureSlot:
-    """A texture that a material may give. `space`: srgb | linear | normal; `default`: what an absent one shows."""
+    """A texture that a material may give. `space`: srgb | linear | normal; `default`: what an absent one shows.
+
+    `sampler`: how it is sampled where the material says nothing else. `group`, `order`, `when`: as of a Param."""
 
     name: str
     unit: int
     space: str = "linear"
     default: str = "white"
     doc: str = ""
-
-
-@dataclass(frozen=True, slots=True)
-class Technique:
-    """How the effect is drawn in a role (forward, depth, gbuffer, shadow …). `fragment` '' draws depth only.
-
-    `features`: those that make a difference in this role (None: all); others are off, so variants are shared.
-    """
-
-    role: str
-    vertex: str
-    fragment: str = ""
-    level: str = "low"
-    depth: DepthState = field(default_factory=DepthState)
-    raster: RasterState = field(default_factory=RasterState)
-    blend: str = "opaque"
-    features: frozenset[str] | None = None
+    sampler: SamplerDesc | None = None
+    group: str = ""
+    order: float = 0.0
+    when: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,6 +88,45 @@ class Effect:
     params: tuple[Param, ...]
     textures: tuple[TextureSlot, ...]
     techniques: Mapping[str, Technique]
+    merged: Merged | None = None
+
+    def place_of(self, keypath: KeyPath, message: str) -> tuple[str, Place]:
+        """A message with the line and caret of a key's value in the file that says it, and its place."""
+        if self.merged is None:
+            return message, Place(str(self.files[0]))
+        return self.merged.describe(keypath, message, value=True)
+
+    @cached_property
+    def findings(self) -> tuple[tuple[str, Place], ...]:
+        """What is no mistake, but worth a word: (message, place). Roles that no pass asks for; roles of one level whose
+        vertices are placed by other shaders, so that their depths differ."""
+        found = []
+        for role in self.techniques:
+            if role not in TARGETS:
+                known = hint(role, TARGETS)
+                text = f"no pass asks for the role {role!r} yet, so its technique is not drawn ({known})"
+                found.append((text, ("technique", role)))
+        forward = self.techniques.get("forward")
+        for role in ("depth", "gbuffer", "shadow"):
+            other = self.techniques.get(role)
+            if forward is None or other is None:
+                continue
+            for level in LEVELS:
+                mine, theirs = forward.at(level)[0], other.at(level)[0]
+                if mine is None or theirs is None or mine.passes[0].shape == theirs.passes[0].shape:
+                    continue
+                text = f"at level {level}, {role} and forward place vertices by other stages: their depths may differ"
+                found.append((text, ("technique", role)))
+                break
+        if self.merged is None:
+            return tuple((text, Place(str(self.files[0]))) for text, _ in found)
+        return tuple((text, self.merged.locate(keypath)[1]) for text, keypath in found)
+
+    @cached_property
+    def uses_stencil(self) -> bool:
+        """Whether any pass of what is drawn on screen tests or writes the stencil."""
+        drawn = (t for role, t in self.techniques.items() if role != "shadow")
+        return any(draw.stencil is not None for technique in drawn for draw in technique.every())
 
     @cached_property
     def param_by_name(self) -> Mapping[str, Param]:
@@ -157,14 +193,7 @@ def load_effect(path: Path, *, search: Sequence[Path] = ()) -> Effect:
 
     merged = load_merged(Path(path), search)
     model = check(merged)
-    techniques = {}
-    for role, t in model.technique.items():
-        techniques[role] = Technique(
-            role, t.vertex, t.fragment, t.level,
-            DepthState(t.depth.test, t.depth.write, t.depth.compare, t.depth.bias, t.depth.bias_slope),
-            RasterState(t.raster.cull, True, t.raster.fill, t.raster.depth_clamp),
-            t.blend, None if t.features is None else frozenset((*t.features, *BUILTIN_FEATURES)),
-        )  # fmt: skip
+    always = tuple(BUILTIN_FEATURES)
     return Effect(
         name=model.name,
         doc=model.doc,
@@ -173,7 +202,19 @@ def load_effect(path: Path, *, search: Sequence[Path] = ()) -> Effect:
         features={n: Feature(n, f.doc, f.implied_by, tuple(f.needs)) for n, f in model.features.items()},
         params=tuple(p.to_param(n) for n, p in model.params.items()),
         textures=tuple(
-            TextureSlot(n, unit, s.space, s.default, s.doc) for unit, (n, s) in enumerate(model.textures.items())
+            TextureSlot(
+                n,
+                texture_unit(unit),
+                s.space,
+                s.default,
+                s.doc,
+                model.samplers[s.sampler].to_desc() if s.sampler else None,
+                s.group,
+                s.order,
+                s.when,
+            )
+            for unit, (n, s) in enumerate(model.textures.items())
         ),
-        techniques=techniques,
+        techniques={role: build(role, technique, model, always) for role, technique in model.technique.items()},
+        merged=merged,
     )

@@ -28,6 +28,12 @@ class FeatureSet(frozenset[str]):
         return self
 
 
+def kept(features: Iterable[str], of: frozenset[str]) -> FeatureSet:
+    """Some of the features of a set, with the reasons that it knows."""
+    told = of if isinstance(of, FeatureSet) else FeatureSet()
+    return FeatureSet({name: told.reasons.get(name, "asked for") for name in features}, told.dropped)
+
+
 def resolve_features(
     effect: Effect, material: MaterialAsset, mesh_layout: Sequence[str], also: Mapping[str, str] | None = None
 ) -> FeatureSet:

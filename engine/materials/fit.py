@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from engine.assets.material import MaterialAsset
+from engine.assets.material_parent import load_chain
 from engine.core.errors import FormatError, InputError, UsageError
 from engine.core.toml_source import KeyPath, load_toml
 from engine.materials.effect import Effect
@@ -21,6 +22,7 @@ def fitted(effect: Effect, material: MaterialAsset) -> tuple[MaterialAsset, list
     The same object when all of it fits."""
     complaints: list[Complaint] = []
     params = {}
+    material = in_numbers(effect, material)
     for name, value in material.params.items():
         try:
             effect.param(name).check(value)
@@ -43,11 +45,27 @@ def fitted(effect: Effect, material: MaterialAsset) -> tuple[MaterialAsset, list
     return replace(material, params=params, features=features, textures=textures), complaints
 
 
+def in_numbers(effect: Effect, material: MaterialAsset) -> MaterialAsset:
+    """The material with colours that are written as words in linear numbers; the same object when there are none. What
+    is no colour stays: `fitted` complains of it."""
+    numbers = {}
+    for name, value in material.params.items():
+        param = effect.param_by_name.get(name)
+        short = isinstance(value, (tuple, list)) and len(value) == 3
+        if param is not None and param.type in ("color3", "color4") and (isinstance(value, str) or short):
+            try:
+                numbers[name] = param.check(value)
+            except UsageError:
+                continue
+    changed = {name: value for name, value in numbers.items() if value != material.params[name]}
+    return replace(material, params={**material.params, **changed}) if changed else material
+
+
 def unfit(path: Path, complaints: list[Complaint]) -> FormatError:
     """The error to raise for a material file that its effect does not take: at the first complaint, with a caret."""
     keypath, message = complaints[0]
     try:
-        source = load_toml(path)
+        source = load_chain(load_toml(path), path).locate(keypath)[0]
     except InputError:
         return FormatError(message, where=path)
     more = "".join(f"\n{source.place(key)}: {text}" for key, text in complaints[1:])
@@ -56,11 +74,19 @@ def unfit(path: Path, complaints: list[Complaint]) -> FormatError:
 
 
 def merged(base: MaterialAsset, mine: MaterialAsset, theirs: MaterialAsset) -> MaterialAsset:
-    """`theirs` with the parameters that `mine` changed since `base` and `theirs` did not."""
-    params = dict(theirs.params)
+    """`theirs` with what `mine` changed since `base` and `theirs` did not: parameters, textures, features, queue."""
+    params, textures = dict(theirs.params), dict(theirs.textures)
     for name in {*mine.params, *base.params}:
         changed_here = mine.params.get(name) != base.params.get(name)
         changed_there = theirs.params.get(name) != base.params.get(name)
         if changed_here and not changed_there and name in mine.params:
             params[name] = mine.params[name]
-    return replace(theirs, params=params)
+    for slot in {*mine.textures, *base.textures}:
+        here, before, there = mine.textures.get(slot), base.textures.get(slot), theirs.textures.get(slot)
+        if here != before and there == before:
+            textures.pop(slot, None)
+            if here is not None:
+                textures[slot] = here
+    features = mine.features if theirs.features == base.features else theirs.features
+    queue = mine.queue if theirs.queue == base.queue else theirs.queue
+    return replace(theirs, params=params, textures=textures, features=list(features), queue=queue)

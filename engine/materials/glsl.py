@@ -2,7 +2,7 @@
 
 struct MaterialParams { … };                                                 one field per param, four per slot
 layout(std430, binding = 2) readonly buffer MaterialBlock { MaterialParams materials[]; };
-layout(binding = <unit>) uniform sampler2DArray t_<slot>;                    units in declaration order, from 0
+layout(binding = <unit>) uniform sampler2DArray t_<slot>;                    units in declaration order (texture_unit)
 vec4 sample_<slot>(MaterialParams m, vec2 uv0, vec2 uv1);
 """
 

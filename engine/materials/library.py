@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -16,6 +17,7 @@ from engine.materials.merge import SUFFIX, candidates
 from engine.materials.suggest import hint
 from engine.materials.variant import (
     MAGENTA,
+    Begun,
     Compiled,
     StateOptions,
     Variant,
@@ -39,6 +41,8 @@ class EffectLibrary:
     `compiled` counts compilations. `errors`: effect name -> why its newest files are not in use. While there is one,
     new variants too are made from the last good contents of the files. `revision` grows when pipelines that were given
     out are let go: ask for them again.
+
+    Pipelines are compiled when they are asked for; `begin` has the driver start on one before that, where it can.
     """
 
     def __init__(self, search: Sequence[Path], *, prelude: str = "") -> None:
@@ -47,11 +51,14 @@ class EffectLibrary:
         self.compiled = 0
         self.revision = 0
         self.errors: dict[str, LucarnaError] = {}
+        #: for experiments: another variant in the place of the one that is asked for (engine.app.feature_pixels)
+        self.stand_in: Callable[[VariantRequest], VariantRequest] | None = None
         self._effects: dict[str, Effect] = {}
         self._variants: dict[tuple[int, VariantRequest], Variant] = {}
         self._watched = Watched()
         #: effect name -> contents of the files that its variants are made from
         self._texts: dict[str, dict[Path, str]] = {}
+        self._begun: dict[tuple[int, VariantRequest], Begun] = {}
 
     # --- effects ---
 
@@ -107,7 +114,8 @@ class EffectLibrary:
         attributes: tuple[VertexAttribute, ...] = (), *, defines: Mapping[str, str | int] | None = None,
         prelude: str = "", **state: Unpack[StateOptions],
     ) -> tuple[Pipeline, ShaderError | None]:  # fmt: skip
-        """As `pipeline`, but what does not compile is drawn in magenta (nothing, if its vertex shader is bad too).
+        """As `pipeline`, but what does not compile is drawn in magenta; by Lucarna's own vertex shader if the effect's
+        is bad too (nothing, where that one cannot stand in).
 
         The error is that of the newest source, also where the last good pipeline is still drawn.
         """
@@ -119,6 +127,8 @@ class EffectLibrary:
         self, device: Device, request: VariantRequest, effect: Effect | None = None
     ) -> tuple[Pipeline, ShaderError | None]:
         """As `pipeline_or_magenta`."""
+        if self.stand_in is not None:
+            request = self.stand_in(request)
         variant = self._variant(device, effect or request.effect, request)
         if variant.pipeline is not None:
             return variant.pipeline, variant.error
@@ -135,7 +145,7 @@ class EffectLibrary:
         ShaderError where the newest files have a mistake and no others were good."""
         effect = self._effects[variant.request.effect]
         texts = dict(self._texts.get(effect.name, {}))
-        return describe(effect, self._with_prelude(variant.request), self.search, texts=texts)
+        return describe(effect, self._with_prelude(variant.request), self.search, texts=texts, caps=variant.device.caps)
 
     def _variant(self, device: Device, effect: Effect | str, request: VariantRequest) -> Variant:
         key = (id(device), request)
@@ -153,7 +163,8 @@ class EffectLibrary:
 
     def _new(self, device: Device, effect: Effect, request: VariantRequest) -> Variant:
         variant = self._described(device, effect, request)
-        outcome = self._compile(device, effect, request, self._texts.setdefault(effect.name, {}))
+        ahead = self._begun.pop((id(device), request), None)
+        outcome = self._compile(device, effect, request, self._texts.setdefault(effect.name, {}), ahead)
         self._adopt(variant, outcome)
         return variant
 
@@ -161,22 +172,24 @@ class EffectLibrary:
     def _described(device: Device, effect: Effect, request: VariantRequest) -> Variant:
         """A variant without pipeline, with what is known of its features."""
         active = effect.active(request.role, request.features)
+        level, why = effect.technique(request.role).at(request.level, device.caps)
         told = request.features if isinstance(request.features, FeatureSet) else FeatureSet()
         return Variant(
             request, device, active,
             {name: told.reasons.get(name, "asked for") for name in active},
             absent_features(effect, request.role, request.features, told.dropped),
+            level=level.level if level is not None else "", level_reason=why,
         )  # fmt: skip
 
     def _compile(
-        self, device: Device, effect: Effect, request: VariantRequest, texts: dict[Path, str]
-    ) -> Compiled | ShaderError:
-        technique = effect.technique(request.role)
-        wanted = [technique.vertex, technique.fragment] if technique.fragment else [technique.vertex]
-        self._watch(shader_file(name, self.search) for name in wanted)
+        self, device: Device, effect: Effect, request: VariantRequest, texts: dict[Path, str],
+        ahead: Begun | None = None,
+    ) -> Compiled | ShaderError:  # fmt: skip
+        self._watch(shader_file(name, self.search) for name in effect.technique(request.role).files)
         self.compiled += 1
         try:
-            result = compile_variant(device, effect, self._with_prelude(request), self.search, texts=texts)
+            request = self._with_prelude(request)
+            result = compile_variant(device, effect, request, self.search, texts=texts, ahead=ahead)
         except ShaderError as error:
             self._watch(self._folders())
             return error
@@ -185,12 +198,14 @@ class EffectLibrary:
 
     def _magenta(self, variant: Variant) -> Pipeline:
         effect = self._effects[variant.request.effect]
-        self.compiled += 1
-        try:
-            request = self._with_prelude(variant.request)
-            return compile_variant(variant.device, effect, request, self.search, magenta=True).pipeline
-        except ShaderError:
-            return compile_nowhere(variant.device, variant.request)
+        request = self._with_prelude(variant.request)
+        for magenta, search in (("fragment", self.search), ("plain", self.search[-1:])):
+            self.compiled += 1
+            try:
+                return compile_variant(variant.device, effect, request, search, magenta=magenta).pipeline
+            except ShaderError:
+                continue
+        return compile_nowhere(variant.device, variant.request)
 
     def _with_prelude(self, request: VariantRequest) -> VariantRequest:
         return replace(request, prelude=self.prelude + request.prelude) if self.prelude else request
@@ -201,7 +216,7 @@ class EffectLibrary:
             return
         let_go(variant)
         variant.pipeline, variant.files, variant.source_hash = outcome.pipeline, outcome.files, outcome.source_hash
-        variant.compile_ms = outcome.ms
+        variant.compile_ms, variant.loaded = outcome.ms, outcome.pipeline.loaded
 
     def prepare(self, device: Device, requests: Iterable[VariantRequest]) -> ShaderError | None:
         """Compile variants that are about to be asked for; the error of the first that does not, and nothing is kept
@@ -214,6 +229,31 @@ class EffectLibrary:
                 del self._variants[id(device), request]
                 return error
         return None
+
+    def begin(self, device: Device, request: VariantRequest) -> bool:
+        """Start compiling a variant that is about to be asked for; True when asking will not wait. Its mistakes are
+        told to who asks."""
+        key = (id(device), request)
+        if key in self._variants:
+            return True
+        if key not in self._begun:
+            start = time.perf_counter()
+            try:
+                effect = self.get(request.effect)
+                texts = self._texts.setdefault(effect.name, {})
+                desc = describe(effect, self._with_prelude(request), self.search, texts=texts, caps=device.caps)
+            except LucarnaError:
+                return True
+            ready = device.begin_pipeline(desc)
+            self._begun[key] = Begun(device, desc, 1e3 * (time.perf_counter() - start))
+            return ready
+        return device.begin_pipeline(self._begun[key].desc)
+
+    def abandon(self) -> None:
+        """Let go what was begun and nobody asked for."""
+        for device in {id(begun.device): begun.device for begun in self._begun.values()}.values():
+            device.abandon_pipelines()
+        self._begun.clear()
 
     def expect(self) -> None:
         """Begin to note which variants are asked for."""
@@ -228,10 +268,18 @@ class EffectLibrary:
         self.revision += bool(idle)
         return len(idle)
 
+    def keep_only(self, kept: Iterable[Variant]) -> None:
+        """Let all other variants go."""
+        wanted = {id(variant) for variant in kept}
+        for key in [key for key, variant in self._variants.items() if id(variant) not in wanted]:
+            let_go(self._variants.pop(key))
+        self.revision += 1
+
     def release(self) -> None:
         """Let all pipelines go."""
         for variant in self._variants.values():
             let_go(variant)
+        self.abandon()
         self._variants.clear()
         self.revision += 1
 
@@ -260,7 +308,7 @@ class EffectLibrary:
         effect = self._effects[name]
         files = set(effect.files)
         for technique in effect.techniques.values():
-            files |= {shader_file(file, self.search) for file in (technique.vertex, technique.fragment) if file}
+            files |= {shader_file(file, self.search) for file in technique.files}
         for variant in self._of(name):
             files |= set(variant.files)
             files |= {Path(variant.error.where.file)} if variant.error is not None else set()
@@ -281,6 +329,7 @@ class EffectLibrary:
     def _reload(self, name: str, further: Further | None) -> bool:
         old = self._effects[name]
         texts: dict[Path, str] = {}
+        self.abandon()
         try:
             effect = load_effect(candidates(self.search).get(name, old.files[0]), search=self.search)
         except LucarnaError as error:
@@ -298,7 +347,14 @@ class EffectLibrary:
                 gone.append(variant)
                 continue
             outcomes.append((variant, self._compile(variant.device, effect, variant.request, texts)))
-        new = self._further(effect, further, texts) if effect is not old else []
+        try:
+            new = self._further(effect, further, texts) if effect is not old else []
+        except InputError as error:  # it has no technique for what its materials are drawn in
+            self.errors[name] = error
+            for _, outcome in outcomes:
+                if not isinstance(outcome, ShaderError):
+                    outcome.pipeline.release()
+            return False
         bad = [(variant, out) for variant, out in outcomes if isinstance(out, ShaderError)]
         worse = [error for variant, error in bad if variant.pipeline is not None]
         worse += [out for _, out in new if isinstance(out, ShaderError)]

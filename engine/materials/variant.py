@@ -11,10 +11,11 @@ from types import MappingProxyType
 from typing import TypedDict
 
 from engine.core.errors import ShaderError, UsageError
-from engine.core.toml_source import load_toml, with_caret
+from engine.core.toml_source import KeyPath
 from engine.gpu.preprocess import flatten
 from engine.gpu.types import (
     BlendState,
+    Caps,
     Device,
     Pipeline,
     RenderPipelineDesc,
@@ -22,10 +23,14 @@ from engine.gpu.types import (
     VertexAttribute,
 )
 from engine.materials.effect import BLENDS, BUILTIN_FEATURES, Effect
+from engine.materials.requirements import AUTO
 from engine.materials.suggest import hint
+from engine.materials.technique import DrawPass
 
 #: shown where a fragment shader does not compile
 MAGENTA = "effects/magenta.frag"
+#: and the vertex shader where an effect's own one does not either
+PLAIN = "effects/surface.vert"
 
 #: draws nothing: for an effect whose vertex shader does not compile either
 _NOWHERE = ShaderSource("vertex", "void main()\n{\n    gl_Position = vec4(2.0, 2.0, 2.0, 1.0);\n}\n")
@@ -35,6 +40,7 @@ class StateOptions(TypedDict, total=False):
     """State given with a request. None, or left out: as the technique says.
 
     `blend`: a BlendState or a blend name of effect files; `targets`: how many colour attachments (0: depth only).
+    `cull` stands for `back` alone: what a technique draws of other faces stays.
     """
 
     topology: str
@@ -49,7 +55,10 @@ class StateOptions(TypedDict, total=False):
 
 @dataclass(frozen=True, slots=True)
 class VariantRequest:
-    """What makes a variant what it is; the state as in StateOptions."""
+    """What makes a variant what it is; the state as in StateOptions.
+
+    `level`: that of the technique that is wanted; `index`: which of its passes. `blended`: what the technique writes as
+    it is is laid over what is there, premultiplied; other blends stay."""
 
     effect: str
     role: str
@@ -65,6 +74,9 @@ class VariantRequest:
     fill: str | None = None
     defines: tuple[tuple[str, str | int], ...] = ()
     prelude: str = ""
+    level: str = AUTO
+    index: int = 0
+    blended: bool = False
 
 
 @dataclass(slots=True, eq=False)
@@ -72,7 +84,8 @@ class Variant:
     """A cached variant. `pipeline` is the last good one; `error` says why the newest source has none.
 
     `features`: those that are on in this role; `reasons`: why; `absent`: feature -> why it is off. `asked`: someone
-    asked for it since EffectLibrary.expect.
+    asked for it since EffectLibrary.expect. `loaded`: its program was taken from the program cache. `level`,
+    `level_reason`: which of the technique is drawn, and why.
     """
 
     request: VariantRequest
@@ -86,11 +99,15 @@ class Variant:
     files: tuple[Path, ...] = ()
     source_hash: str = ""
     compile_ms: float = 0.0
+    loaded: bool = False
     asked: bool = True
+    level: str = ""
+    level_reason: str = ""
 
     @property
     def label(self) -> str:
-        return f"{self.request.effect} {self.request.role}"
+        number = f" pass {self.request.index + 1}" if self.request.index else ""
+        return f"{self.request.effect} {self.request.role}{number}"
 
 
 def let_go(variant: Variant) -> None:
@@ -111,18 +128,31 @@ class Compiled:
     ms: float = 0.0
 
 
+@dataclass(frozen=True, slots=True)
+class Begun:
+    """What a variant is made of, when the driver already works on it, and the time that took so far."""
+
+    device: Device
+    desc: RenderPipelineDesc
+    ms: float
+
+
 def compile_variant(
-    device: Device, effect: Effect, request: VariantRequest, search: Sequence[Path], *, magenta: bool = False,
-    texts: MutableMapping[Path, str] | None = None,
+    device: Device, effect: Effect, request: VariantRequest, search: Sequence[Path], *, magenta: str = "",
+    texts: MutableMapping[Path, str] | None = None, ahead: Begun | None = None,
 ) -> Compiled:  # fmt: skip
-    """Flatten and compile. `magenta` replaces the fragment shader; `texts` as in `flatten`.
+    """Flatten and compile. `magenta`: `fragment` replaces that shader, `plain` all of them; `texts` as in `flatten`.
 
     Raises ShaderError with file:line:col."""
-    begun = time.perf_counter()
-    desc = describe(effect, request, search, magenta=magenta, texts=texts)
-    digest = hashlib.sha256(desc.vertex.text.encode("utf-8"))
-    digest.update(b"\0" + (desc.fragment.text if desc.fragment else "").encode("utf-8"))
-    stages = (desc.vertex, desc.fragment) if desc.fragment else (desc.vertex,)
+    begun = time.perf_counter() - (1e-3 * ahead.ms if ahead is not None else 0.0)
+    if ahead is not None:
+        desc = ahead.desc
+    else:
+        desc = describe(effect, request, search, magenta=magenta, texts=texts, caps=device.caps)
+    stages = desc.stages
+    digest = hashlib.sha256()
+    for source in stages:
+        digest.update(source.stage.encode("utf-8") + b"\0" + source.text.encode("utf-8") + b"\0")
     names = dict.fromkeys(file for stage in stages for file, _ in stage.lines)
     files = tuple(path for path in (_find(name, search) for name in names) if path is not None)
     pipeline = device.render_pipeline(desc)
@@ -140,54 +170,89 @@ def compile_nowhere(device: Device, request: VariantRequest) -> Pipeline:
 
 
 def describe(
-    effect: Effect, request: VariantRequest, search: Sequence[Path], *, magenta: bool = False,
-    texts: MutableMapping[Path, str] | None = None,
+    effect: Effect, request: VariantRequest, search: Sequence[Path], *, magenta: str = "",
+    texts: MutableMapping[Path, str] | None = None, caps: Caps | None = None,
 ) -> RenderPipelineDesc:  # fmt: skip
-    """All state of the variant's pipeline. Raises ShaderError when a file or an include is not there."""
-    technique = effect.technique(request.role)
+    """All state of the variant's pipeline on a device with these capabilities (None: one that can do all). Raises
+    ShaderError when a file or an include is not there, or the device can do no level of the technique."""
+    draw = draw_of(effect, request, caps)
     features = effect.active(request.role, request.features)
     streams = [attribute.stream for attribute in request.attributes]
-    defines: dict[str, str | int] = {**effect.defines(request.role, features, streams), **dict(request.defines)}
+    defines: dict[str, str | int] = {**effect.defines(request.role, features, streams), **draw.defines}
+    defines |= dict(request.defines)
     prelude = request.prelude + effect.glsl(features)
 
     def stage(kind: str, file: str) -> ShaderSource:
         path = shader_file(file, search, texts or {})
         if not path.is_file() and path.resolve() not in (texts or {}):
-            raise _missing(effect, request.role, kind, file, search)
+            raise _missing(effect, draw.places.get(kind, ("technique", request.role)), file, search)
         return flatten(path, kind, search=search, prelude=prelude, defines=defines, texts=texts)
 
-    fragment = stage("fragment", MAGENTA if magenta else technique.fragment) if technique.fragment else None
-    blend = request.blend if isinstance(request.blend, BlendState) else _blend(request.blend or technique.blend)
+    files = draw.stages()
+    if magenta == "plain":  # the stages before may be what is wrong
+        files = {"vertex": PLAIN, "fragment": MAGENTA} if draw.fragment else {"vertex": PLAIN}
+    elif magenta and draw.fragment:
+        files["fragment"] = MAGENTA
+    sources = {kind: stage(kind, file) for kind, file in files.items()}
+    patches = "tess_evaluation" in sources
+    if patches and request.topology == "triangle_strip":
+        at = draw.places["tess_evaluation"]
+        message, place = effect.place_of(at, "a strip of triangles cannot be drawn as patches")
+        raise ShaderError(message, where=place, hint="convert the mesh to triangles, or leave the tessellation out")
     return RenderPipelineDesc(
         label=f"{effect.name} {request.role} {'+'.join(sorted(features))}".rstrip(),
-        vertex=stage("vertex", technique.vertex),
-        fragment=fragment,
+        vertex=sources["vertex"],
+        fragment=sources.get("fragment"),
+        tess_control=sources.get("tess_control"),
+        tess_evaluation=sources.get("tess_evaluation"),
+        geometry=sources.get("geometry"),
+        patch_vertices=draw.patch_vertices if patches else 3,
         attributes=request.attributes,
-        topology=request.topology,
+        topology="patches" if patches else request.topology,
         depth=replace(
-            technique.depth,
-            write=technique.depth.write if request.depth_write is None else request.depth_write,
-            compare=request.depth_compare or technique.depth.compare,
+            draw.depth,
+            write=draw.depth.write if request.depth_write is None else request.depth_write,
+            compare=request.depth_compare or draw.depth.compare,
         ),
-        blend=(blend,) * request.targets,
+        stencil=draw.stencil,
+        blend=tuple(_target_blend(draw, request, index) for index in range(request.targets)),
+        blend_constant=draw.blend_constant,
         raster=replace(
-            technique.raster,
-            cull=request.cull or technique.raster.cull,
-            fill=request.fill or technique.raster.fill,
-            front_ccw=request.front_ccw,
+            draw.raster,
+            cull=request.cull if request.cull and draw.raster.cull == "back" else draw.raster.cull,
+            fill=request.fill or draw.raster.fill,
+            front_ccw=request.front_ccw == draw.raster.front_ccw,
         ),
     )
 
 
-def _missing(effect: Effect, role: str, kind: str, file: str, search: Sequence[Path]) -> ShaderError:
+def draw_of(effect: Effect, request: VariantRequest, caps: Caps | None = None) -> DrawPass:
+    """The pass of the technique, at the level that the device gets. Raises ShaderError where it can do none."""
+    technique, why = effect.technique(request.role).at(request.level, caps)
+    if technique is None:
+        message, place = effect.place_of(("technique", request.role), why)
+        raise ShaderError(message, where=place, hint="add a level that requires less")
+    return technique.passes[min(request.index, len(technique.passes) - 1)]
+
+
+def _target_blend(draw: DrawPass, request: VariantRequest, index: int) -> BlendState | None:
+    """How one colour target is blended: as the request says, else as the pass does."""
+    own = draw.target(index)
+    said = request.blend if request.blend is not None else own.blend
+    if request.blended and said == "opaque":
+        said = "premultiplied"
+    blend = said if isinstance(said, BlendState) else _blend(said or "opaque")
+    mask = own.write_mask or ""
+    return blend if mask == "rgba" else replace(blend or BlendState(), write_mask=mask)
+
+
+def _missing(effect: Effect, keypath: KeyPath, file: str, search: Sequence[Path]) -> ShaderError:
     """The technique names a file that is in none of the folders: the place is that of the name."""
-    source = load_toml(effect.files[0])
-    place = source.place(("technique", role, kind), value=True)
     known = [
         p.relative_to(folder).as_posix() for folder in search for p in sorted(folder.glob(f"*/*{Path(file).suffix}"))
     ]
     folders = ", ".join(map(str, search))
-    message = with_caret(f"there is no shader {file!r} in {folders}", source.text, place)
+    message, place = effect.place_of(keypath, f"there is no shader {file!r} in {folders}")
     return ShaderError(message, where=place, hint=hint(file, known))
 
 

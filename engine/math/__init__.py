@@ -6,6 +6,8 @@
     color, tonemap      sRGB, AgX, ACES, Neutral                 ┐
     sphere, sh          directions, sampling, SH9                ├─> importers (baking), tests (twins of the shaders)
     ggx                 D, V, F, DFG, multiple scattering        ┘
+    microfacet, sheen, thin_film   further D, F, V; cloth; iridescence: twins of shaders/lib ┐
+    lobes               what a whole material reflects           ─> materials (explorer)    ┘
     ltc                 area lights: the fit, form factors       ─> shaders/data/ltc.dds (packaging/make_ltc.py), tests
     photometry, blackbody   lumen, lux, nit; the colour of heat  ─> scene, editor
 

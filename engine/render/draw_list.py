@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from engine.gpu.types import Buffer, Device
 from engine.materials.effect import Effect
-from engine.materials.features import resolve_features
+from engine.materials.features import kept, resolve_features
 from engine.resources.arena import MeshArena
 from engine.resources.material_store import MaterialRecord
 from engine.resources.residency import Residency
@@ -59,9 +59,20 @@ class DrawState:
     cull: str
     front_ccw: bool
     queue: str
+    level: str = ""  # of techniques; '' as the view's quality says
 
     @property
     def blended(self) -> bool:
+        return self.queue in ("transparent", "overlay") or self.transmissive
+
+    @property
+    def transmissive(self) -> bool:
+        """It shows, refracted, what was drawn before it; so it is drawn with the blended ones, solid as it may be."""
+        return "transmission" in self.features
+
+    @property
+    def veil(self) -> bool:
+        """Its alpha counts: nearer and farther surfaces both stay to be seen."""
         return self.queue in ("transparent", "overlay")
 
 
@@ -119,13 +130,23 @@ class DrawList:
         self.receiving = np.zeros(0, np.bool_)
         #: batches of each shadow map; their commands lie in `caster_commands`
         self.caster_batches: list[list[Batch]] = []
+        #: the same of the tiles of local lights
+        self.lamp_ids: Buffer = device.buffer(4, label="lamp caster ids")
+        self.lamp_commands: Buffer = device.buffer(20, label="lamp caster commands")
+        self.lamp_batches: list[list[Batch]] = []
         #: rises when the templates were built again
         self.built_rev = 0
+        self._stencil: tuple[tuple[int, int], bool] = ((-1, -1), False)
 
     @property
     def has_blended(self) -> bool:
         """Whether the scene has any blended surface, seen or not: facts must not change as the camera turns."""
         return len(self._glass.row_order) > 0
+
+    @property
+    def has_transmissive(self) -> bool:
+        """Whether the scene has any surface that shows what is behind it, seen or not."""
+        return any(state.transmissive for state in self._glass.states)
 
     @property
     def has_solid(self) -> bool:
@@ -141,6 +162,16 @@ class DrawList:
     def materials(self) -> frozenset[int]:
         """The materials of all that the scene draws, seen or not."""
         return frozenset(material for _, _, material, _ in self._combos)
+
+    @property
+    def uses_stencil(self) -> bool:
+        """Whether an effect of what the scene draws, seen or not, tests or writes the stencil."""
+        effects = self._residency.effects
+        key = (self.built_rev, effects.revision)
+        if self._stencil[0] != key:
+            names = {state.effect for template in (self._solid, self._glass) for state in template.states}
+            self._stencil = (key, any(effects.get(name).uses_stencil for name in names))
+        return self._stencil[1]
 
     @property
     def solid_effects(self) -> frozenset[str]:
@@ -240,7 +271,7 @@ class DrawList:
         return DrawState(
             record.effect.name, features, info.arena, record.group,
             info.asset.submeshes[submesh].topology, "none" if double_sided else "back", not flags & 1,
-            record.asset.queue,
+            record.asset.queue, record.asset.level,
         )  # fmt: skip
 
     def _template(
@@ -329,23 +360,40 @@ class DrawList:
 
     def update_casters(self, masks: NDArray[np.bool_]) -> None:
         """Fill the batches of each shadow map: `masks` bool[maps, instances] of what is drawn into it."""
+        self.caster_batches, self.caster_ids, self.caster_commands = self._fill_casters(
+            masks, self.caster_ids, self.caster_commands
+        )
+
+    def update_lamp_casters(self, masks: NDArray[np.bool_]) -> None:
+        """As `update_casters`, for the tiles of local lights."""
+        self.lamp_batches, self.lamp_ids, self.lamp_commands = self._fill_casters(
+            masks, self.lamp_ids, self.lamp_commands
+        )
+
+    def _fill_casters(
+        self, masks: NDArray[np.bool_], id_buffer: Buffer, command_buffer: Buffer
+    ) -> tuple[list[list[Batch]], Buffer, Buffer]:
         parts: list[tuple[NDArray[np.void], NDArray[np.intp]]] = []
-        self.caster_batches = []
+        found: list[list[Batch]] = []
         first_command = first_id = 0
         for mask in masks:
             commands, ids, batches = _chosen(self._casters, self._caster_batches, mask, first_command, first_id)
             parts.append((commands, ids))
-            self.caster_batches.append(batches)
+            found.append(batches)
             first_command += len(commands)
             first_id += len(ids)
         if first_id:
             ids = np.concatenate([ids for _, ids in parts]).astype(np.uint32)
-            self.caster_ids = _fit(self._device, self.caster_ids, ids)
+            id_buffer = _fit(self._device, id_buffer, ids)
             commands = np.concatenate([commands for commands, _ in parts])
-            self.caster_commands = _fit(self._device, self.caster_commands, commands)
+            command_buffer = _fit(self._device, command_buffer, commands)
+        return found, id_buffer, command_buffer
 
     def release(self) -> None:
-        for buffer in (self.objects, self.ids, self.commands, self.caster_ids, self.caster_commands):
+        for buffer in (
+            self.objects, self.ids, self.commands, self.caster_ids, self.caster_commands, self.lamp_ids,
+            self.lamp_commands,
+        ):  # fmt: skip
             buffer.release()
 
 
@@ -373,6 +421,7 @@ def casts_shadow(state: DrawState, effect: Effect) -> bool:
     and an effect without a technique for the role cannot be drawn into a map."""
     return (
         state.queue in ("opaque", "alpha_test")
+        and not state.transmissive
         and state.topology in ("triangles", "triangle_strip")
         and "unlit" not in state.features
         and "shadow" in effect.techniques
@@ -386,7 +435,8 @@ def caster_state(state: DrawState, effect: Effect) -> DrawState:
     if "alpha_test" not in features:
         painted = {name for name, f in effect.features.items() if f.implied_by or "color" in f.needs}
         features, group = frozenset(features - painted - {"uv1", "uv_transform"}), -1
-    return replace(state, features=frozenset(features), group=group, cull="none", front_ccw=True, queue="opaque")
+    features = kept(features, state.features)
+    return replace(state, features=features, group=group, cull="none", front_ccw=True, queue="opaque")
 
 
 def _placing_nodes(scene: Scene) -> NDArray[np.int64]:
@@ -408,7 +458,8 @@ def _sides(state: DrawState) -> tuple[DrawState, ...]:
 
 def _sort_key(state: DrawState) -> tuple[object, ...]:
     return (
-        state.effect, state.topology, state.cull, state.front_ccw, sorted(state.features), state.arena, state.group,
+        state.effect, state.level, state.topology, state.cull, state.front_ccw, sorted(state.features), state.arena,
+        state.group,
     )  # fmt: skip
 
 
@@ -433,10 +484,12 @@ def _fit(device: Device, buffer: Buffer, data: NDArray[np.generic]) -> Buffer:
     return buffer
 
 
-def arena_streams(arena: MeshArena, effect: Effect, features: frozenset[str]) -> tuple[str, ...]:
-    """The streams that a forward variant with these features fetches: nothing that no one reads."""
-    wanted = ["position", "normal"]
-    if "normal_map" in features:
+def arena_streams(arena: MeshArena, effect: Effect, features: frozenset[str], role: str = "forward") -> tuple[str, ...]:
+    """The streams that a variant with these features fetches: nothing that no one reads."""
+    own = effect.techniques[role].streams if role in effect.techniques else ()
+    depth_only = role in ("depth", "shadow")
+    wanted = ["position"] if depth_only else ["position", "normal"]
+    if "normal_map" in features and not depth_only:
         wanted.append("tangent")
     if "uv0" in arena.layout and any(f.implied_by for name, f in effect.features.items() if name in features):
         wanted.append("uv0")
@@ -446,4 +499,5 @@ def arena_streams(arena: MeshArena, effect: Effect, features: frozenset[str]) ->
         wanted.append("color")
     if "skinning" in features:
         wanted += ["joints", "weights", "joints1", "weights1"]
+    wanted += [name for name in own if name not in wanted]
     return tuple(name for name in wanted if name in arena.layout)

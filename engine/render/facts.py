@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from engine.render.bloom import Bloom
 from engine.render.lighting import Lighting
+from engine.render.occlusion import Occlusion
 from engine.render.shadows.quality import FILTERS, ShadowQuality
 
 
@@ -29,6 +31,21 @@ class SceneFacts:
     lighting: Lighting = field(default_factory=Lighting)  # the default where there are no local lights
     area_lights: bool = False  # a rectangle or disk shines
     light_profiles: bool = False  # a light with an IES profile shines
+    transmission: bool = False  # a surface shows what is behind it, refracted
+    quality: str = "auto"  # level of techniques: low, medium, high, or the highest that the device can do
+    stencil: bool = False  # a technique of what is drawn tests or writes it
+    ambient_occlusion: Occlusion = field(default_factory=Occlusion)
+    local_shadows: int = 0  # width of the map of point and spot lights, texels; 0 where none casts
+    bloom: Bloom = field(default_factory=Bloom)
+
+    @property
+    def depth_first(self) -> bool:
+        """Whether depth is drawn before anything is shaded."""
+        return self.lighting.path == "forward-plus" or self.ambient_occlusion.wanted or self.force_all
+
+    @property
+    def depth_format(self) -> str:
+        return "d32f-s8" if self.stencil else "d32f"
 
     def variant_defines(self) -> dict[str, int]:
         """The macros of the surface shaders: absent light costs nothing. With `force_all` every branch is in."""
@@ -39,7 +56,7 @@ class SceneFacts:
             "SUNS": int(self.suns or self.force_all),
             "SUN_SHADOWS": int(self.sun_shadows or self.force_all),
             "CASCADE_TINT": int(self.sun_shadows),  # a forced, empty map is no cascade to show
-            "SHADOW_FILTER": FILTERS.index(self.shadow_quality.filter),
+            "AMBIENT_OCCLUSION": int(self.ambient_occlusion.wanted or self.force_all),
             "LOCAL_LIGHTS": int(self.local_lights or self.force_all),
             "DEBUG_VIEW": DEBUG_VIEWS.index(self.debug_view),
             **self.light_defines(),
@@ -50,4 +67,6 @@ class SceneFacts:
         return {
             "AREA_LIGHTS": int(self.area_lights or self.force_all),
             "LIGHT_PROFILES": int(self.light_profiles or self.force_all),
+            "LOCAL_SHADOWS": int(self.local_shadows > 0 or self.force_all),
+            "SHADOW_FILTER": FILTERS.index(self.shadow_quality.filter),
         }

@@ -13,9 +13,11 @@ from engine.framegraph.compiled import CompiledGraph
 from engine.gpu.types import Bindings, Buffer, Device, RenderPass, Sampler, Texture
 from engine.render.draw_list import Batch, DrawList
 from engine.render.facts import SceneFacts
+from engine.render.legends import Legend
 from engine.render.light_lists import LightLists
 from engine.render.lighting import Choice
 from engine.render.programs import Programs
+from engine.render.shadows.local import LocalShadows
 from engine.render.shadows.sun import SunShadows
 from engine.render.view import View
 from engine.report.number_check import NumberReport
@@ -32,8 +34,9 @@ MATERIAL_BINDING = 2
 LIGHT_BINDING = 3
 PALETTE_BINDING = 4
 LIGHT_LIST_BINDING = 5
-LIGHT_BOUNDS_BINDING = 6
 MORPH_BINDING = 7
+LIGHT_BOUNDS_BINDING = 10
+LOCAL_SHADOW_BINDING = 11
 ENVIRONMENT_UNIT = 8
 DFG_UNIT = 9
 INPUT_UNIT = 10
@@ -42,6 +45,10 @@ SHADOW_DEPTH_UNIT = 12
 LIGHT_TILES_UNIT = 16
 GBUFFER_UNIT = 17
 DEPTH_UNIT = 20
+SCENE_COLOR_UNIT = 24
+AMBIENT_UNIT = 25
+LOCAL_SHADOW_UNIT = 26
+BLOOM_UNIT = 26
 
 
 @dataclass(slots=True)
@@ -67,6 +74,7 @@ class RenderFrame:
     origin: NDArray[np.float64]
     shadows: SunShadows
     shadow_rows: NDArray[np.void]
+    local_shadows: LocalShadows
     look: Mapping[str, Any] = field(default_factory=dict)
     pass_buffers: dict[str, Buffer] = field(default_factory=dict)
     #: what lib/lights.glsl looks up, by unit (light_tables.py)
@@ -103,10 +111,6 @@ class RenderFrame:
         for batch in batches:
             state = batch.state
             arena = self.residency.arenas[state.arena]
-            if depth_only:
-                render_pass.set_pipeline(self.programs.depth(state, arena, self.facts))
-            else:
-                render_pass.set_pipeline(self.programs.surface(state, arena, self.facts, samples))
             render_pass.set_vertex_buffers({**arena.streams, "object": self.draws.ids}, arena.indices)
             materials = self.residency.materials
             render_pass.set_bindings(
@@ -117,6 +121,7 @@ class RenderFrame:
                         OBJECT_BINDING: self.draws.objects,
                         MATERIAL_BINDING: materials.buffer(state.effect),
                         LIGHT_BINDING: self.lights,
+                        LOCAL_SHADOW_BINDING: self.local_shadows.buffer,
                         PALETTE_BINDING: self.palettes,
                         MORPH_BINDING: self.morphs,
                         **self.light_lists.shading_storage,
@@ -130,7 +135,14 @@ class RenderFrame:
                     },
                 )
             )
-            render_pass.multi_draw_indexed_indirect(self.draws.commands, batch.first, batch.count)
+            for index in range(self.programs.passes(state, self.facts, "depth" if depth_only else "")):
+                if not self.programs.ahead.wants((state, depth_only, index)):
+                    continue
+                if depth_only:
+                    render_pass.set_pipeline(self.programs.depth(state, arena, self.facts, index))
+                else:
+                    render_pass.set_pipeline(self.programs.surface(state, arena, self.facts, samples, index))
+                render_pass.multi_draw_indexed_indirect(self.draws.commands, batch.first, batch.count)
 
     def light_bindings(
         self, textures: Mapping[int, Any] | None = None, uniforms: Mapping[int, Any] | None = None,
@@ -139,18 +151,24 @@ class RenderFrame:
         """The view block and the light table, plus a pass's own inputs: for passes that light the G-buffer."""
         return Bindings(
             uniforms={VIEW_BINDING: self.view_buffer, **(uniforms or {})},
-            storage={LIGHT_BINDING: self.lights, **self.light_lists.shading_storage, **(storage or {})},
+            storage={
+                LIGHT_BINDING: self.lights, LOCAL_SHADOW_BINDING: self.local_shadows.buffer,
+                **self.light_lists.shading_storage, **(storage or {}),
+            },
             textures={DFG_UNIT: (self.dfg.texture, self.dfg.sampler), **self.light_textures, **(textures or {})},
             images=images or {},
         )  # fmt: skip
 
-    def draw_casters(self, render_pass: RenderPass, batches: list[Batch], view_buffer: Buffer) -> None:
-        """Draw the depth of casters as `view_buffer` (a view block) sees them."""
+    def draw_casters(
+        self, render_pass: RenderPass, batches: list[Batch], view_buffer: Buffer, *, lamps: bool = False
+    ) -> None:
+        """Draw the depth of casters as `view_buffer` (a view block) sees them. `lamps`: `batches` are lamp_batches."""
+        draws = self.draws
+        ids, commands = (draws.lamp_ids, draws.lamp_commands) if lamps else (draws.caster_ids, draws.caster_commands)
         for batch in batches:
             state = batch.state
             arena = self.residency.arenas[state.arena]
-            render_pass.set_pipeline(self.programs.shadow(state, arena))
-            render_pass.set_vertex_buffers({**arena.streams, "object": self.draws.caster_ids}, arena.indices)
+            render_pass.set_vertex_buffers({**arena.streams, "object": ids}, arena.indices)
             materials = self.residency.materials
             render_pass.set_bindings(
                 Bindings(
@@ -165,7 +183,11 @@ class RenderFrame:
                     textures=materials.bindings(state.group) if state.group >= 0 else {},
                 )
             )
-            render_pass.multi_draw_indexed_indirect(self.draws.caster_commands, batch.first, batch.count)
+            for index in range(self.programs.passes(state, self.facts, "shadow")):
+                if not self.programs.ahead.wants((state, "shadow", index)):
+                    continue
+                render_pass.set_pipeline(self.programs.shadow(state, arena, self.facts, index))
+                render_pass.multi_draw_indexed_indirect(commands, batch.first, batch.count)
 
 
 @dataclass(slots=True)
@@ -183,3 +205,5 @@ class Frame:
     numbers: NumberReport | None = None
     #: by which path local lights were added, and why
     path: Choice = field(default_factory=lambda: Choice("forward", 1, ""))
+    #: what the colours of its debug view mean, where they are a ramp
+    legend: Legend | None = None

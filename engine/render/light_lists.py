@@ -1,10 +1,12 @@
 """LightLists: the buffers behind the light lists of tiles, how large they are, and what the last frames counted.
 
-    LightRows.bounds ─► light_bounds ┐
-    depth ─► tile_bounds (per tile) ─┤
-                                     ├─► view_mask ─► bin_mask (a bin = 4 x 4 tiles) ─► headers + light_list
-A bin holds a bit per light of the scene, so a tile only tries what its bin kept: 100,000 lights are tried once per bin.
-A tile counts before it takes room in `light_list`. Where the room is short it takes none and its header says "all
+    LightRows.bounds ─► bounds, groups ┐
+    depth ─► tile_bounds (per tile) ───┤
+                                       ├─► view_mask ─► bin_mask (a bin = 4 x 4 tiles) ─► counts ─► light_list
+A bin holds a bit per light of the scene, so a tile only tries what its bin kept; 32 lights with bits in one word are
+neighbours in space, so that their common box can drop them all at once. Tiles count first. On a software rasteriser,
+and elsewhere where nothing is known of such a frame yet, the sum is read and the room made before lists are written;
+other frames take what the last ones wanted. Where the room is short, a tile takes none and its header says "all
 lights": that frame is slow and right, `overflow` says so, and a later one has the room.
 """
 
@@ -13,9 +15,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from engine.gpu.types import Buffer, Device
+from engine.render.light_groups import GROUP, bounds_rows, group_rows
 from engine.render.light_rows import LightBounds
 from engine.render.lighting import FIRST_SLICE, SLICE_GROWTH, SLICES, Lighting
 
@@ -23,15 +25,18 @@ from engine.render.lighting import FIRST_SLICE, SLICE_GROWTH, SLICES, Lighting
 BIN = 4
 #: bytes of a tile's bounds: five vec4 (shaders/lib/tile_bounds.glsl)
 TILE_BYTES = 80
-#: counters of a frame: entries taken, tiles that found no room, what these wanted / 256, lights tried, kept,
-#: needed by tiles, whether that was counted, needed by pixels
+#: counters of a frame: entries taken, lists that found no room, entries wanted / 256 and the rest of that, summed list
+#: by list; lights tried; needed by tiles, whether that was counted, needed by pixels
 COUNTERS = 8
+TAKEN, NO_ROOM, WANTED_256, WANTED_REST, TRIED, NEEDED, COUNTED, IN_PIXELS = range(COUNTERS)
 #: frames until counters are read: by then they are there
 LATENCY = 3
-#: room of the light list at first, entries a tile
-FIRST_ROOM = 128
+#: room of the light list before anything was counted, entries a tile
+FIRST_ROOM = 32
+#: of the light list at most; what a tile lacks then, all lights stand for
+MOST_BYTES = 1 << 28
 #: where shaders that light find the lists and the tiles' bounds
-LIST_BINDING, TILE_BINDING, BIN_MASK_BINDING, BIN_DEPTH_BINDING = 5, 6, 8, 9
+LIST_BINDING, TILE_BINDING, BIN_MASK_BINDING, BIN_DEPTH_BINDING, BOUNDS_BINDING = 5, 6, 8, 9, 10
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,16 +58,20 @@ class LightLists:
     def __init__(self, device: Device) -> None:
         self._device = device
         self.bounds: Buffer = device.buffer(32, label="light bounds")
+        self.groups: Buffer = device.buffer(32, label="light groups")
         self.tiles: Buffer = device.buffer(TILE_BYTES, label="light tiles")
         self.view_mask: Buffer = device.buffer(4, label="lights in view")
         self.bin_depth: Buffer = device.buffer(16, label="bin depth")
         self.bin_mask: Buffer = device.buffer(4, label="lights of bins")
+        self.bin_parts: Buffer = device.buffer(4, label="words of bins")
         self.list: Buffer = device.buffer(64, label="light lists")
         self._counters = [device.buffer(4 * COUNTERS, label="light counters") for _ in range(LATENCY)]
         self._pending: list[int] = [0] * LATENCY
         self._frame = 0
         self._bounds_seen: LightBounds | None = None
-        self.columns = self.rows = self.words = 0
+        self._counted: set[tuple[int, ...]] = set()
+        self._key: tuple[int, ...] = ()
+        self.columns = self.rows = self.words = self.parts = 0
         self.size = 16
         self.stats = ListStats()
         self.shading_storage: dict[int, Buffer] = {}
@@ -84,8 +93,14 @@ class LightLists:
     @property
     def bytes(self) -> int:
         """Of the lists and all that leads to them."""
-        parts = (self.bounds, self.tiles, self.view_mask, self.bin_depth, self.bin_mask, self.list)
-        return sum(buffer.size for buffer in parts)
+        return sum(buffer.size for buffer in self._buffers)
+
+    @property
+    def _buffers(self) -> tuple[Buffer, ...]:
+        return (
+            self.bounds, self.groups, self.tiles, self.view_mask, self.bin_depth, self.bin_mask, self.bin_parts,
+            self.list,
+        )  # fmt: skip
 
     def upload_bounds(self, bounds: LightBounds) -> None:
         """Bring the lights' bounds onto the device; does nothing while they are the same object."""
@@ -95,28 +110,44 @@ class LightLists:
         self.bounds = self._fit(self.bounds, 32 * max(len(bounds.radius), 1))
         if len(bounds.radius):
             self.bounds.write(bounds_rows(bounds))
+            groups = group_rows(bounds)
+            self.groups = self._fit(self.groups, groups.nbytes)
+            self.groups.write(groups)
 
     def prepare(self, lighting: Lighting, width: int, height: int, lights: int) -> None:
         """Make room for a view of this size and so many lights, and for what earlier frames wanted."""
-        if self._device.caps.software:  # it runs no frames behind: the last one's counters are there
-            self.read(wait=True)
         self._frame += 1
         self.size = lighting.tile
         self.columns, self.rows = -(-width // lighting.tile), -(-height // lighting.tile)
-        self.words = max(1, -(-lights // 32))
+        self.words = max(1, -(-lights // GROUP))
+        self.parts = -(-self.words // 64) * 2
         bins = self.bins[0] * self.bins[1]
         self.tiles = self._fit(self.tiles, self.columns * self.rows * TILE_BYTES)
         self.view_mask = self._fit(self.view_mask, 4 * self.words)
         self.bin_depth = self._fit(self.bin_depth, 16 * bins)
         self.bin_mask = self._fit(self.bin_mask, 4 * bins * self.words)
-        self._fit_list(lights)
-        self.shading_storage = {
-            LIST_BINDING: self.list, TILE_BINDING: self.tiles, BIN_MASK_BINDING: self.bin_mask,
-            BIN_DEPTH_BINDING: self.bin_depth,
-        }  # fmt: skip
-        slot = self._frame % LATENCY
-        self._counters[slot].write(np.zeros(COUNTERS, np.uint32))
-        self._pending[slot] = self.columns * self.rows
+        self.bin_parts = self._fit(self.bin_parts, 4 * bins * self.parts)
+        self._key = (width, height, lights, lighting.tile, lighting.lists)
+        self._fit_list(self.columns * self.rows * min(max(lights, 1), FIRST_ROOM))
+
+    def begin(self) -> None:
+        """Lists are made now: count from 0."""
+        self.counters.write(np.zeros(COUNTERS, np.uint32))
+        self._pending[self._frame % LATENCY] = self.columns * self.rows
+
+    @property
+    def unsure(self) -> bool:
+        """Whether this frame has to wait for its count: it costs nothing where the processor draws; elsewhere a stall,
+        once for each size of view, number of lights and size of tiles."""
+        return self._device.caps.software or self._key not in self._counted
+
+    def counted(self) -> bool:
+        """The tiles of this frame have counted: read how much, and make room. Returns whether the list is another."""
+        self._counted.add(self._key)
+        counts = np.frombuffer(self.counters.read(), np.uint32).astype(np.int64)
+        before = self.capacity
+        self._fit_list(int(counts[WANTED_256] * 256 + counts[WANTED_REST]))
+        return self.capacity != before
 
     def forget(self) -> None:
         """This frame has no lists."""
@@ -128,12 +159,12 @@ class LightLists:
         slot = self._frame % LATENCY if wait else (self._frame + 1) % LATENCY
         if self._pending[slot]:
             counts = np.frombuffer(self._counters[slot].read(), np.uint32).astype(np.int64)
-            counted = bool(counts[6])
+            counted = bool(counts[COUNTED])
+            self._wanted = int(counts[WANTED_256] * 256 + counts[WANTED_REST])
             self.stats = ListStats(
-                self._pending[slot], int(counts[3]), int(counts[4]), int(counts[5]) if counted else -1, int(counts[1]),
-                int(counts[7]) if counted else -1,
+                self._pending[slot], int(counts[TRIED]), self._wanted, int(counts[NEEDED]) if counted else -1,
+                int(counts[NO_ROOM]), int(counts[IN_PIXELS]) if counted else -1,
             )  # fmt: skip
-            self._wanted = int(counts[0] + counts[2] * 256)
             self._pending[slot] = 0
         return self.stats
 
@@ -147,19 +178,20 @@ class LightLists:
         return tiles, (float(scale), float(1.0 - first * scale), float(SLICES), 0.0)
 
     def release(self) -> None:
-        for buffer in (
-            self.bounds, self.tiles, self.view_mask, self.bin_depth, self.bin_mask, self.list, *self._counters,
-        ):  # fmt: skip
+        for buffer in (*self._buffers, *self._counters):
             buffer.release()
 
     _wanted = 0
 
-    def _fit_list(self, lights: int) -> None:
-        tiles = self.columns * self.rows
-        first = tiles * min(max(lights, 1), FIRST_ROOM)
-        wanted = max(first, self._wanted + self._wanted // 4, 16)
-        limit = min(self._device.caps.max_ssbo_bytes, 1 << 28) // 4
-        self.list = self._fit(self.list, 4 * min(wanted, max(limit, 16)))
+    def _fit_list(self, entries: int) -> None:
+        wanted = max(entries, self._wanted)
+        limit = min(self._device.caps.max_ssbo_bytes, MOST_BYTES) // 4
+        if wanted > self.capacity:  # a quarter more, so that growing lists do not grow it in every frame
+            self.list = self._fit(self.list, 4 * min(max(wanted + wanted // 4, 16), max(limit, 16)))
+        self.shading_storage = {
+            LIST_BINDING: self.list, TILE_BINDING: self.tiles, BIN_MASK_BINDING: self.bin_mask,
+            BIN_DEPTH_BINDING: self.bin_depth, BOUNDS_BINDING: self.bounds,
+        }  # fmt: skip
 
     def _fit(self, buffer: Buffer, size: int) -> Buffer:
         if buffer.size >= size:
@@ -167,13 +199,3 @@ class LightLists:
         label = buffer.label
         buffer.release()
         return self._device.buffer(size, label=label)
-
-
-def bounds_rows(bounds: LightBounds) -> NDArray[np.float32]:
-    """f4[n,2,4]: centre and radius (endless: 3e38), axis and cosine of the half angle."""
-    rows = np.empty((len(bounds.radius), 2, 4), np.float32)
-    rows[:, 0, :3] = bounds.center
-    rows[:, 0, 3] = np.minimum(bounds.radius, np.float32(3e38))
-    rows[:, 1, :3] = bounds.axis
-    rows[:, 1, 3] = bounds.cos_angle
-    return rows

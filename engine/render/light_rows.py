@@ -112,6 +112,11 @@ class LightRows:
         if self.count:
             self._upload(rows)
 
+    @property
+    def world(self) -> NDArray[np.void]:
+        """WORLD_LIGHT rows in the order of the buffer; another object whenever one changed."""
+        return self._rest
+
     def _set_suns(self, environment: EnvironmentAsset, sun: float, azimuth: float) -> None:
         suns = list(zip(self._directional["direction"], self._directional["radiant"], strict=True))
         if sun > 0.0:

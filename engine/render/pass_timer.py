@@ -48,13 +48,20 @@ class PassTimer:
             return
         if self._device.caps.timestamps:
             first = self._device.timestamp()
-            yield
-            self._gpu.append((name, first, self._device.timestamp()))
+            try:
+                yield
+            finally:
+                self._gpu.append((name, first, self._device.timestamp()))
             return
         start = time.perf_counter()
         yield
         self._device.finish()
         self._stages.append(PassStat(name, (time.perf_counter() - start) * 1e3, "wall"))
+
+    def drop(self) -> None:
+        """The frame was given up: its times mean nothing."""
+        self._device.resolve_timestamps([i for _, first, last in self._gpu for i in (first, last)])
+        self._gpu = []
 
     def finish(self) -> FrameStats:
         total = (time.perf_counter() - self._start) * 1e3

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -21,8 +21,10 @@ from engine.gpu.types import (
     ShaderSource,
 )
 from engine.materials.effect import Effect
+from engine.materials.features import kept
 from engine.materials.library import EffectLibrary
 from engine.materials.variant import VariantRequest, shader_file, shadowing
+from engine.render.ahead import Ahead
 from engine.render.draw_list import DrawState, arena_streams, caster_state, casts_shadow
 from engine.render.facts import SceneFacts
 from engine.render.gbuffer import LAYOUTS
@@ -87,21 +89,26 @@ class Programs:
         self._surface: dict[tuple[object, ...], Pipeline] = {}
         self._depth: dict[tuple[object, ...], Pipeline] = {}
         self._shadow: dict[tuple[object, ...], Pipeline] = {}
+        self._counts: dict[tuple[object, ...], int] = {}
         self._revision = effects.revision
         self._facts: SceneFacts | None = None
+        self._macros_of: tuple[SceneFacts | None, tuple[object, ...]] = (None, ())
         self._arenas: dict[int, MeshArena] = {}
         self._passes: dict[str, _PassShader] = {}
         self._watched = Watched()
         self.errors: dict[str, ShaderError] = {}
         self.pass_errors: dict[str, ShaderError] = {}
+        self.ahead = Ahead()
 
     def forget(self) -> None:
         """Ask the library again for every pipeline (after a hot reload)."""
         self._surface.clear()
         self._depth.clear()
         self._shadow.clear()
+        self._counts.clear()
         self.errors.clear()
         self._revision = self._effects.revision
+        self.ahead.forget()
 
     def release(self) -> None:
         """Let the pipelines of the passes go; the library owns those of surfaces."""
@@ -113,55 +120,78 @@ class Programs:
 
     # --- surfaces ---
 
-    def surface(self, state: DrawState, arena: MeshArena, facts: SceneFacts, samples: int) -> Pipeline:
+    def passes(self, state: DrawState, facts: SceneFacts, role: str = "") -> int:
+        """How often a batch is drawn: the passes of its technique for `role` ('': forward or G-buffer)."""
+        if self._revision != self._effects.revision:
+            self.forget()
+        key = (state.effect, state.level, facts.quality, role or (facts.lighting.deferred, state.blended))
+        count = self._counts.get(key)
+        if count is None:
+            effect = self._effects.get(state.effect)
+            count = self._counts[key] = self._count(effect, role or _surface_role(state, facts, effect), state, facts)
+        return count
+
+    def _count(self, effect: Effect, role: str, state: DrawState, facts: SceneFacts) -> int:
+        technique, _ = effect.technique(role).at(_level(state, facts), self._device.caps)
+        return len(technique.passes) if technique is not None else 1
+
+    def surface(self, state: DrawState, arena: MeshArena, facts: SceneFacts, samples: int, index: int = 0) -> Pipeline:
+        """The pipeline of a batch; `index`: which of its passes."""
         if self._revision != self._effects.revision:
             self.forget()
         key = (
             state.effect, state.features, state.arena, state.topology, state.cull, state.front_ccw, state.blended,
-            facts.environment, facts.suns, facts.local_lights, facts.debug_view, facts.force_all,
-            facts.sun_shadows, facts.shadow_quality.filter, facts.lighting, facts.samples > 1,
-            facts.alpha_to_coverage and facts.samples,
+            state.veil, self._macros(facts), facts.lighting, facts.samples > 1,
+            facts.alpha_to_coverage and facts.samples, state.level, facts.quality, index,
         )  # fmt: skip
         pipeline = self._surface.get(key)
         if pipeline is None:
             self._arenas[state.arena] = arena
             effect = self._effects.get(state.effect)
-            pipeline, error = self._effects.of_request(self._device, _request(state, arena, facts, effect), effect)
+            request = replace(_request(state, arena, facts, effect), index=index)
+            pipeline, error = self._effects.of_request(self._device, request, effect)
             if error is not None:
                 self.errors[f"{state.effect}: {', '.join(sorted(state.features))}"] = error
             self._surface[key] = pipeline
         self._facts = facts
         return pipeline
 
-    def shadow(self, state: DrawState, arena: MeshArena) -> Pipeline:
+    def _macros(self, facts: SceneFacts) -> tuple[object, ...]:
+        """What of the facts goes into the text of surface shaders, made once a frame."""
+        if facts is not self._macros_of[0]:
+            more = (facts.local_lights, facts.debug_view, facts.force_all)
+            self._macros_of = (facts, (*facts.variant_defines().values(), *more))
+        return self._macros_of[1]
+
+    def shadow(self, state: DrawState, arena: MeshArena, facts: SceneFacts, index: int = 0) -> Pipeline:
         """The pipeline that draws the depth of a caster; one that does not compile draws it uncut."""
         if self._revision != self._effects.revision:
             self.forget()
-        key = (state.effect, state.features, state.arena, state.topology)
+        key = (state.effect, state.features, state.arena, state.topology, state.level, facts.quality, index)
         pipeline = self._shadow.get(key)
         if pipeline is None:
             effect = self._effects.get(state.effect)
             self._arenas[state.arena] = arena
-            request = _shadow_request(state, arena, effect)
+            request = replace(_shadow_request(state, arena, effect, facts), index=index)
             pipeline, error = self._effects.of_request(self._device, request, effect)
             if error is not None:
                 self.errors[f"{state.effect} shadow: {', '.join(sorted(state.features))}"] = error
             self._shadow[key] = pipeline
         return pipeline
 
-    def depth(self, state: DrawState, arena: MeshArena, facts: SceneFacts) -> Pipeline:
+    def depth(self, state: DrawState, arena: MeshArena, facts: SceneFacts, index: int = 0) -> Pipeline:
         """The pipeline that draws a solid batch's depth alone."""
         if self._revision != self._effects.revision:
             self.forget()
         key = (
             state.effect, state.features, state.arena, state.topology, state.cull, state.front_ccw, facts.samples,
-            facts.alpha_to_coverage,
+            facts.alpha_to_coverage, state.level, facts.quality, index,
         )  # fmt: skip
         pipeline = self._depth.get(key)
         if pipeline is None:
             effect = self._effects.get(state.effect)
             self._arenas[state.arena] = arena
-            request = _depth_request(state, arena, facts, effect)
+            request = replace(_depth_request(state, arena, facts, effect), index=index)
             pipeline, error = self._effects.of_request(self._device, request, effect)
             if error is not None:
                 self.errors[f"{state.effect} depth: {', '.join(sorted(state.features))}"] = error
@@ -185,17 +215,41 @@ class Programs:
         found: dict[VariantRequest, list[int]] = {}
         for material, state in states if self._facts is not None else ():
             if state.arena in self._arenas and self._facts is not None:
-                arena, effect = self._arenas[state.arena], records[material].effect
-                requests = [_request(state, arena, self._facts, effect)]
-                if self._depth and not state.blended and "depth" in effect.techniques:
-                    requests.append(_depth_request(state, arena, self._facts, effect))
-                if self._shadow and casts_shadow(state, effect):
-                    requests.append(_shadow_request(caster_state(state, effect), arena, effect))
-                for request in requests:
+                facts, arena, effect = self._facts, self._arenas[state.arena], records[material].effect
+                requests = _requests(state, arena, facts, effect, depth=bool(self._depth), shadow=bool(self._shadow))
+                counts = [self._count(effect, request.role, state, facts) for request in requests]
+                every = [
+                    replace(request, index=index)
+                    for request, count in zip(requests, counts, strict=True)
+                    for index in range(count)
+                ]
+                for request in every:
                     materials = found.setdefault(request, [])
                     if material not in materials:
                         materials.append(material)
         return found
+
+    def begun(
+        self, key: Hashable, states: Callable[[], Iterable[tuple[int, DrawState]]], facts: SceneFacts,
+        arenas: Sequence[MeshArena],
+    ) -> bool:  # fmt: skip
+        """Whether all that these (material, state) need can be had without a wait; if not, it is begun. See Ahead."""
+
+        def wanted() -> list[VariantRequest]:
+            found: dict[VariantRequest, None] = {}
+            for _, state in states():
+                effect = self._effects.get(state.effect)
+                asked = _requests(
+                    state, arenas[state.arena], facts, effect, depth=facts.local_lights, shadow=facts.sun_shadows or facts.local_shadows > 0,
+                )
+                for request in asked:
+                    for index in range(self._count(effect, request.role, state, facts)):
+                        found[replace(request, index=index)] = None
+            return list(found)
+
+        if self._revision != self._effects.revision:
+            self.forget()
+        return self.ahead.begun(key, wanted, self._device, self._effects)
 
     # --- passes ---
 
@@ -223,6 +277,7 @@ class Programs:
         shader = self._passes.setdefault(request.fragment, _PassShader())
         pipeline = shader.pipelines.get(request)
         if pipeline is None:
+            self.ahead.wants(request)
             pipeline = shader.pipelines[request] = self._first(request, shader)
         return pipeline
 
@@ -318,20 +373,42 @@ def _pass_prelude(block: BlockLayout | None, block_name: str, lights: bool) -> s
     return prelude
 
 
-def _shadow_request(state: DrawState, arena: MeshArena, effect: Effect) -> VariantRequest:
-    streams = tuple(s for s in arena_streams(arena, effect, state.features) if s not in ("normal", "tangent"))
+def _level(state: DrawState, facts: SceneFacts) -> str:
+    """By hand, else by the quality setting."""
+    return state.level or facts.quality
+
+
+def _surface_role(state: DrawState, facts: SceneFacts, effect: Effect) -> str:
+    deferred = facts.lighting.deferred and not state.blended and "gbuffer" in effect.techniques
+    return "gbuffer" if deferred else "forward"
+
+
+def _requests(
+    state: DrawState, arena: MeshArena, facts: SceneFacts, effect: Effect, *, depth: bool, shadow: bool
+) -> list[VariantRequest]:
+    """What a batch of that state is drawn with: its surface, and where the frame has such passes depth and shadow."""
+    requests = [_request(state, arena, facts, effect)]
+    if depth and not state.blended and "depth" in effect.techniques:
+        requests.append(_depth_request(state, arena, facts, effect))
+    if shadow and casts_shadow(state, effect):
+        requests.append(_shadow_request(caster_state(state, effect), arena, effect, facts))
+    return requests
+
+
+def _shadow_request(state: DrawState, arena: MeshArena, effect: Effect, facts: SceneFacts) -> VariantRequest:
+    streams = arena_streams(arena, effect, state.features, "shadow")
     return VariantRequest(
         state.effect, "shadow", state.features, arena.attributes(streams), topology=state.topology, targets=0,
-        prelude=SCENE_PRELUDE,
+        prelude=SCENE_PRELUDE, level=_level(state, facts),
     )  # fmt: skip
 
 
 def _depth_request(state: DrawState, arena: MeshArena, facts: SceneFacts, effect: Effect) -> VariantRequest:
-    streams = tuple(s for s in arena_streams(arena, effect, state.features) if s not in ("normal", "tangent"))
+    streams = arena_streams(arena, effect, state.features, "depth")
     return VariantRequest(
-        state.effect, "depth", effect.active("depth", state.features), arena.attributes(streams),
+        state.effect, "depth", kept(effect.active("depth", state.features), state.features), arena.attributes(streams),
         topology=state.topology, cull=state.cull, front_ccw=state.front_ccw, targets=0, prelude=SCENE_PRELUDE,
-        defines=_coverage(state, facts),
+        defines=_coverage(state, facts), level=_level(state, facts),
     )  # fmt: skip
 
 
@@ -355,27 +432,29 @@ def _local_lights(state: DrawState, facts: SceneFacts, effect: Effect, role: str
 
 
 def _request(state: DrawState, arena: MeshArena, facts: SceneFacts, effect: Effect) -> VariantRequest:
-    streams = arena_streams(arena, effect, state.features)
+    role = _surface_role(state, facts, effect)
+    streams = arena_streams(arena, effect, state.features, role)
     if facts.debug_view in UV_VIEWS and "uv0" in arena.layout and "uv0" not in streams:
         streams = (*streams, "uv0")
     lighting = facts.lighting
-    role = "gbuffer" if lighting.deferred and not state.blended and "gbuffer" in effect.techniques else "forward"
     defines = {
         "HAS_UV0": int("uv0" in streams), "BLENDED": int(state.blended), **facts.variant_defines(),
         "LOOP_STEPS": lighting.steps, "GBUFFER": int(role == "gbuffer"), "GBUFFER_LAYOUT": lighting.gbuffer,
         "LOCAL_LIGHTS": _local_lights(state, facts, effect, role),
     }  # fmt: skip
     defines |= dict(_coverage(state, facts))
+    if state.transmissive and not state.veil:
+        defines["SOLID"] = 1  # what is seen through it is its colour, not its alpha
     # nothing but local lights asks for it
     defines["MULTISAMPLED"] = int(facts.samples > 1 and defines["LOCAL_LIGHTS"] > 0)
     request = VariantRequest(
         state.effect, role, state.features, arena.attributes(streams), topology=state.topology, cull=state.cull,
-        front_ccw=state.front_ccw, depth_write=not state.blended, prelude=SCENE_PRELUDE,
+        front_ccw=state.front_ccw, depth_write=False if state.veil else None, prelude=SCENE_PRELUDE,
         targets=1 + len(LAYOUTS[lighting.gbuffer]) * (role == "gbuffer"),
-        defines=tuple(sorted(defines.items())),
+        defines=tuple(sorted(defines.items())), level=_level(state, facts), blended=state.blended,
     )  # fmt: skip
     if facts.debug_view == "wireframe":
         request = replace(request, fill="wireframe")
     if facts.debug_view == "overdraw":
         return replace(request, blend=ADDITIVE)
-    return replace(request, blend=PREMULTIPLIED) if state.blended else request
+    return request

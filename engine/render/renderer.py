@@ -18,18 +18,23 @@ from engine.framegraph.passes import Pass, PassContext
 from engine.gpu.types import Device, SamplerDesc
 from engine.materials.variant import VariantRequest
 from engine.math.frustum import planes_from_matrix
+from engine.render.ahead import Enough
+from engine.render.bloom import bloom_of, level_weights
+from engine.render.depth_range import fit_depth
 from engine.render.draw_list import DrawList
 from engine.render.environments import Environments, usable
 from engine.render.facts import SceneFacts
 from engine.render.frame import Frame, RenderFrame
 from engine.render.gbuffer import bytes_per_pixel, layout_of, widest
 from engine.render.hysteresis import Hysteresis
+from engine.render.legends import Legend, depth_range, legend_of
 from engine.render.light_lists import LightLists
 from engine.render.light_rows import LightRows
 from engine.render.light_tables import LightTables
 from engine.render.lighting import Choice, loop_steps
 from engine.render.morphs import MorphRows
 from engine.render.nonfinite import NumberCheck
+from engine.render.occlusion import occlusion_of, radius_of
 from engine.render.palettes import PaletteRows, SkinningCheck
 from engine.render.pass_timer import PassTimer
 from engine.render.paths.choice import PASSES, choose, lighting_of
@@ -37,6 +42,7 @@ from engine.render.paths.cost import CostModel
 from engine.render.paths.cost import load as load_costs
 from engine.render.programs import Programs
 from engine.render.settings import LIT_LOOK, NONFINITE, ON_BLACK
+from engine.render.shadows.local import LocalShadows
 from engine.render.shadows.quality import ShadowQuality, filter_for
 from engine.render.shadows.sun import SunShadows
 from engine.render.transforms import TransformRows, origin_near
@@ -89,6 +95,8 @@ class Renderer:
         self._visibility_key: tuple[object, ...] = ()
         self._visible: NDArray[np.bool_] = np.zeros(0, np.bool_)
         self._shadows = SunShadows()
+        self._local_shadows = LocalShadows(device)
+        self._ambient_radius: tuple[object, float] = ((), 1.0)
         #: holds on to facts that flicker
         self.hysteresis = Hysteresis()
         self._numbers: NumberCheck | None = None
@@ -100,6 +108,16 @@ class Renderer:
 
         Raises InputError for a camera that no picture can be taken with, ShaderError when a pass of our own does not
         compile, DeviceError."""
+        frame = self._picture(scene, view, hdr, None)
+        assert frame is not None, "without a limit it is always finished"
+        return frame
+
+    def follow(self, scene: Scene, view: View, patience: float) -> Frame | None:
+        """As `render`, but it spends no more than about `patience` seconds on programs that are new to the driver. None
+        while there are more: what the last frame gave stays as it is; `programs.ahead` says how far it is."""
+        return self._picture(scene, view, False, patience)
+
+    def _picture(self, scene: Scene, view: View, hdr: bool, patience: float | None) -> Frame | None:
         view.camera.check(view.aspect)
         device = self.device
         device.begin_frame()
@@ -107,6 +125,7 @@ class Renderer:
         self._timer.begin(self.profile)
         with self._timer.stage("update"):
             scene.update()
+            view = fit_depth(view, scene)
             origin = origin_near(view.camera.position, view.camera.znear)
             self._transforms.update(scene, origin, self._changed_rows(scene))
             self._skinning.check(scene)
@@ -115,11 +134,25 @@ class Renderer:
         with self._timer.stage("visibility"):
             self._visibility(scene, view)
         frame = self._frame(scene, view, origin, hdr)
+        ahead = self.programs.ahead
+        ahead.start(None if view.settings.wants_numbers else patience, frame.facts)
+        if not self._begun(frame.facts):
+            self._give_up()
+            return None
         graph = self.graph.compile(
             device, frame.facts, (view.width, view.height), force_all=view.settings.force_all, key=hdr
         )
         check = self._begin_check(view, graph)
-        graph.execute(lambda item: _context(device, graph, item, frame), self._observer(graph, check))
+        try:
+            graph.execute(lambda item: _context(device, graph, item, frame), self._observer(graph, check))
+            if ahead.skipping:  # that was the last slice
+                ahead.skipping = False
+                graph.execute(lambda item: _context(device, graph, item, frame), self._observer(graph, check))
+        except Enough:
+            ahead.skipping = True
+            self._give_up()
+            return None
+        ahead.whole()
         numbers = check.finish() if check is not None else None
         if numbers is not None and numbers.first is not None and self.first_bad is None:
             self.first_bad = (self.frames, numbers)
@@ -129,7 +162,19 @@ class Renderer:
         device.end_frame()
         self.frames += 1
         hdr_texture = graph.texture("hdr_resolved") if hdr else None
-        return Frame(graph.texture("color"), hdr_texture, stats, graph, frame.facts, numbers, self.path)
+        legend = frame.look["legend"]
+        return Frame(graph.texture("color"), hdr_texture, stats, graph, frame.facts, numbers, self.path, legend)
+
+    def _begun(self, facts: SceneFacts) -> bool:
+        """Whether no program of the scene would be waited for."""
+        materials, key = self.residency.materials, (facts, self.draws.built_rev, self.residency.effects.revision)
+        return self.programs.begun(
+            key, lambda: self.draws.states_of(dict(enumerate(materials.records))), facts, self.residency.arenas
+        )
+
+    def _give_up(self) -> None:
+        self._timer.drop()
+        self.device.end_frame()
 
     @property
     def graph(self) -> FrameGraph:
@@ -154,9 +199,15 @@ class Renderer:
         return self.programs.uses(self.draws.states_of(records), records)
 
     @property
+    def profiles(self) -> LightTables:
+        """The files of the lights' IES profiles, which hot reload watches."""
+        return self._light_tables
+
+    @property
     def light_findings(self) -> Findings:
-        """What was wrong with the IES profiles of the last frame's scene."""
-        return self._light_tables.findings
+        """What was wrong with the IES profiles of the last frame's scene, and which lights go without shadow."""
+        shadows = self._local_shadows.findings
+        return Findings([*self._light_tables.findings, *shadows]) if len(shadows) else self._light_tables.findings
 
     @property
     def skin_findings(self) -> Findings:
@@ -178,6 +229,7 @@ class Renderer:
             self._palettes,
             self._morphs,
             self._view_buffer,
+            self._local_shadows,
         ):
             part.release()
         for buffer in self._pass_buffers.values():
@@ -219,12 +271,26 @@ class Renderer:
         wanted = view.settings.shadows and self._lights.sun_count > 0
         shown = wanted and bool((draws.casting & drawn).any()) and bool((draws.receiving & drawn).any())
         direction = self._lights.suns[0, 0, :3].copy() if shown else None
-        state = (draws.built_rev, self.residency.effects.revision, self.residency.materials.values_rev)
         if self._shadows.update(
-            scene, view, direction, self._visible, draws.casting & drawn, draws.receiving & drawn, state
+            scene, view, direction, self._visible, draws.casting & drawn, draws.receiving & drawn, self._look_of_casters(view)
         ):
             draws.update_casters(self._shadows.casters)
         return shown
+
+    def _lamp_shadows(self, scene: Scene, view: View) -> int:
+        """The width of the map of local lights' shadows, 0 where none casts; its tiles and casters are up to date."""
+        draws, drawn, shadows = self.draws, scene.instances.drawn, self._local_shadows
+        if shadows.update(
+            scene, view, self._lights.world, draws.casting & drawn,
+            receiving=bool((draws.receiving & drawn).any()), state=self._look_of_casters(view),
+        ):  # fmt: skip
+            draws.update_lamp_casters(shadows.casters)
+        return shadows.atlas
+
+    def _look_of_casters(self, view: View) -> tuple[object, ...]:
+        """What else than where they are changes a shadow map."""
+        materials = self.residency.materials
+        return (self.draws.built_rev, self.residency.effects.revision, materials.values_rev, str(view.settings.quality))
 
     def _frame(self, scene: Scene, view: View, origin: NDArray[np.float64], hdr: bool) -> RenderFrame:
         settings = view.settings
@@ -246,6 +312,7 @@ class Renderer:
         facts = SceneFacts(
             opaque=self.draws.has_solid,
             transparent=self.draws.has_blended,
+            transmission=self.draws.has_transmissive,
             suns=self._lights.sun_count > 0,
             local_lights=self._lights.count > 0,
             environment=lit,
@@ -255,9 +322,14 @@ class Renderer:
             debug_view=settings.shading_view,
             hdr_output=hdr,
             force_all=settings.force_all,
+            quality=str(settings.quality),
+            stencil=self.draws.uses_stencil,
+            ambient_occlusion=occlusion_of(settings, lit=lit, solid=self.draws.has_solid),
+            bloom=bloom_of(settings, view.width, view.height, shown=settings.shading_view in LIT_LOOK),
             area_lights=tables.area,
             light_profiles=tables.profiles,
             sun_shadows=sun_shadows,
+            local_shadows=self._lamp_shadows(scene, view),
             shadow_quality=ShadowQuality(
                 filter_for(settings.shadow_filter, software=self.device.caps.software),
                 settings.shadow_cascades,
@@ -274,14 +346,38 @@ class Renderer:
             light_count=self._lights.count, light_lists=self.light_lists, palettes=self._palettes.buffer,
             morphs=self._morphs.buffer,
             point_sampler=self._point_sampler, origin=origin, shadows=self._shadows, shadow_rows=block,
+            local_shadows=self._local_shadows,
             look={
                 "exposure": scene.look.exposure + settings.exposure if settings.shading_view in LIT_LOOK else 0.0,
                 "background": (*(BLACK if settings.shading_view in ON_BLACK else environment.background_color), 1.0),
                 "background_blur": max(environment.background_blur, settings.background_blur),
+                "legend": self._legend(scene, view),
+                **self._ambient(scene, view, facts),
+                "bloom_weights": level_weights(settings.bloom_radius, view.width, view.height)
+                if facts.bloom.wanted
+                else (1.0, 0.0),
             },
             pass_buffers=self._pass_buffers,
             light_textures=tables.bindings(),
         )  # fmt: skip
+
+    def _ambient(self, scene: Scene, view: View, facts: SceneFacts) -> dict[str, float]:
+        """How far and how strongly things hide the surroundings."""
+        settings = view.settings
+        if not facts.ambient_occlusion.wanted or settings.ao_radius > 0.0:
+            return {"ambient_radius": settings.ao_radius or 1.0, "ambient_strength": settings.ao_strength}
+        key = (id(scene), scene.transform_rev, scene.instances.drawn_rev)
+        if self._ambient_radius[0] != key:
+            self._ambient_radius = (key, radius_of(settings, *scene.bounds()))
+        return {"ambient_radius": self._ambient_radius[1], "ambient_strength": settings.ao_strength}
+
+    def _legend(self, scene: Scene, view: View) -> Legend | None:
+        if view.settings.shading_view != "depth":
+            return legend_of(view.settings.shading_view)
+        table = scene.instances
+        return legend_of(
+            "depth", depth_range(view.camera, table.world_center[self._visible], table.world_radius[self._visible])
+        )
 
     def _light_path(self, view: View, facts: SceneFacts, block: NDArray[np.void]) -> SceneFacts:
         """Choose the path and have its buffers ready; returns the facts with both."""

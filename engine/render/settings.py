@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from engine.core.param import ParamBlock, param
 from engine.render.lighting import DEPTHS, PATH_CHOICES, TESTS, TILE_SIZES
+from engine.render.occlusion import METHOD_CHOICES
 from engine.render.shadows.quality import DEFAULT, FILTER_CHOICES
 
 TONE_MAPS = ("none", "agx", "aces", "neutral")
@@ -15,6 +16,7 @@ DEBUG_VIEWS = (
     "lighting", "depth", "overdraw", "wireframe", "texel_density", "uv_checker",
     # shaders/lib/skin_views.glsl
     "weights", "influences",
+    "ambient_occlusion",
 )  # fmt: skip
 #: shown as the lit picture is, exposed and tone-mapped
 LIT_LOOK = ("lit", "lighting")
@@ -23,14 +25,15 @@ ON_BLACK = ("depth", "overdraw", "wireframe", "texel_density", "uv_checker")
 #: what a view shows, for tooltips and the status bar; the others say it by their names
 VIEW_LEGENDS = {
     "lighting": "white surfaces under the scene's lights",
-    "depth": "white near, darker with every doubling of the distance",
-    "overdraw": "every shaded fragment adds a step: five are orange, ten and more pale",
+    "depth": "metres from the camera's plane, from the nearest to the farthest that is seen",
+    "overdraw": "how many fragments were shaded for the pixel",
     "wireframe": "edges of the triangles that face the camera, hidden ones too",
-    "texel_density": "texels a metre: blue 32, green 512, red 8192; grey without a texture",
+    "texel_density": "texels a metre, in cells of 16 texels; grey without a texture",
     "uv_checker": "red along u, green along v, white at the origin; eight cells a turn; grey without UVs",
+    "ambient_occlusion": "how much of its surroundings a place sees: white all",
     "weights": "a colour for each bone, mixed by its weight; grey without a skin",
     "influences": "joints that move a vertex: blue 1, green 2, yellow 3, red 4, violet more; grey without a skin",
-    "light_tiles": "lights in each tile's list: blue few, red many, white all",
+    "light_tiles": "lights in each tile's list, by the ramp; white: more than fit, so all",
 }
 #: the lit picture, dimmed, with what is no number marked
 NONFINITE = "nonfinite"
@@ -53,11 +56,16 @@ class RenderSettings(ParamBlock):
     )
     background_blur: float = param(0.0, min=0.0, max=1.0, step=0.01, doc="blur of the background: a roughness")
     view: str = param("lit", choices=(*DEBUG_VIEWS, NONFINITE), doc="debug view of one input of the shading")
+    quality: str = param(
+        "auto", choices=("auto", "low", "medium", "high"),
+        doc="level of effects' techniques; auto: the highest that the device can do",
+    )  # fmt: skip
     samples: int = param(4, min=1, max=8, doc="anti-aliasing samples a pixel (1, 2, 4, 8; limited by the device)")
     alpha_to_coverage: bool = param(True, doc="smooth edges of cut-outs, where a pixel has several samples")
     path: str = param(
         "auto", choices=PATH_CHOICES,
-        doc="how local lights reach surfaces; all give one picture. auto: the cheapest for this scene and device",
+        doc="how local lights reach surfaces; all give one picture. auto: the cheapest for this scene and device."
+        " The deferred ones need samples = 1",
     )  # fmt: skip
     light_tile: str = param("16", choices=tuple(map(str, TILE_SIZES)), unit="px", doc="width of a tile of light lists")
     light_test: str = param(
@@ -88,6 +96,28 @@ class RenderSettings(ParamBlock):
         1.5, min=0.0, max=8.0, step=0.1, unit="px", doc="radius of the filter's disc in shadow map texels"
     )
     sun_angle: float = param(0.53, min=0.0, max=20.0, step=0.01, unit="deg", doc="width of the sun, for pcss")
+    local_shadows: str = param(
+        "auto", choices=("auto", "all", "off"),
+        doc="point and spot lights cast shadows; auto: those that are said to, all: as many as may",
+    )  # fmt: skip
+    local_shadow_size: int = param(2048, min=64, max=8192, unit="px", doc="width of the map that their tiles share")
+    local_shadow_lights: int = param(32, min=0, max=256, doc="most lights with shadows, by brightness and nearness")
+    ambient_occlusion: str = param(
+        "off", choices=METHOD_CHOICES,
+        doc="hides environment light in corners; gtao: horizons, unbiased; hbao, alchemy: older estimates",
+    )  # fmt: skip
+    ao_radius: float = param(0.0, min=0.0, max=1e6, step=0.01, unit="m", doc="how far things hide; 0 = by the scene")
+    ao_strength: float = param(1.0, min=0.0, max=1.0, step=0.01, doc="0 none, 1 as much as is hidden")
+    ao_directions: int = param(2, min=1, max=16, doc="slices through each pixel (gtao, hbao)")
+    ao_steps: int = param(8, min=1, max=64, doc="places on each side of a slice; alchemy: places in all")
+    ao_half: bool = param(False, doc="look at every second row and column only")
+    bloom: float = param(0.0, min=0.0, max=1.0, step=0.01, doc="part of the light that the lens scatters; 0 = none")
+    bloom_radius: float = param(
+        0.1, min=0.0, max=1.0, step=0.01, doc="width of the widest halo (its standard deviation) in picture heights"
+    )
+    bloom_calm: bool = param(
+        False, doc="bright single pixels count less in the halos: they flicker less, but light is lost"
+    )
     anisotropy: float = param(8.0, min=1.0, max=16.0, step=1.0, doc="texture sharpness at a grazing angle; 1 = off")
     force_all: bool = param(False, doc="leave nothing out: every pass and every branch runs")
     check_numbers: bool = param(False, doc="count NaN and infinities in what each pass wrote (slow)")

@@ -1,4 +1,4 @@
-"""HotReload: edited effects, shaders and material files come to the screen; what is wrong keeps the last good picture.
+"""HotReload: edited effects, shaders, materials and IES files come to the screen; what is wrong keeps the last picture.
 
     files change (mtime and size, looked at four times a second) ──► compile aside
         all good ──► new pipelines, material tables migrated, structure_rev raised ──► next frame is the new picture
@@ -20,7 +20,8 @@ from engine.core.errors import InputError, LucarnaError, ShaderError
 from engine.gpu.types import Device
 from engine.materials.effect import Effect
 from engine.materials.fit import fitted
-from engine.materials.variant import VariantRequest
+from engine.materials.variant import VariantRequest, shader_file
+from engine.report.number_check import NumberReport
 from engine.resources.material_store import MaterialRecord
 from engine.resources.residency import Residency
 
@@ -40,11 +41,24 @@ class PassPrograms(Protocol):
     def has_own(self, fragment: str) -> bool: ...
 
 
+class Profiles(Protocol):
+    """What is asked of engine.render.light_tables.LightTables."""
+
+    errors: dict[Path, InputError]
+
+    def changed(self) -> bool: ...
+    def invalidate(self) -> None: ...
+    def reread(self) -> list[Path]: ...
+    def kept(self, path: Path) -> bool: ...
+
+
 class Draws(Protocol):
     """What is asked of engine.render.renderer.Renderer."""
 
     @property
     def programs(self) -> PassPrograms: ...
+    @property
+    def profiles(self) -> Profiles: ...
     @property
     def frames(self) -> int: ...
     def requests(self, records: Mapping[int, MaterialRecord]) -> list[VariantRequest]: ...
@@ -57,12 +71,14 @@ class Reloaded:
     effects: tuple[str, ...] = ()
     materials: tuple[Path, ...] = ()
     passes: tuple[str, ...] = ()
+    profiles: tuple[Path, ...] = ()
     problems: tuple[LucarnaError, ...] = ()
     ms: float = 0.0
+    textures: tuple[Path, ...] = ()
 
     @property
     def names(self) -> list[str]:
-        return [*self.effects, *self.passes, *(path.name for path in self.materials)]
+        return [*self.effects, *self.passes, *(path.name for path in (*self.materials, *self.profiles, *self.textures))]
 
 
 class HotReload:
@@ -76,6 +92,9 @@ class HotReload:
         self._materials = residency.watched_materials
         self._unfit: dict[str, list[InputError]] = {}
         self._forgot_at = -1
+        #: effects and passes that were taken over and whose numbers nobody has looked at yet
+        self.unproven: tuple[str, ...] = ()
+        self._nonfinite: LucarnaError | None = None
 
     @property
     def problems(self) -> tuple[LucarnaError, ...]:
@@ -84,7 +103,8 @@ class HotReload:
 
     def standing(self) -> list[tuple[str, LucarnaError]]:
         """(what is shown meanwhile, what is wrong), each error once. previous: the last good version; built-in:
-        Lucarna's own instead of the project's; magenta; ignored: all but that."""
+        Lucarna's own instead of the project's; magenta; ignored: all but that; nonfinite: the new version, which
+        compiles but writes NaN."""
         found: dict[str, tuple[str, LucarnaError]] = {}
         for state, error in self._problems():
             found.setdefault(str(error), (state, error))
@@ -93,7 +113,9 @@ class HotReload:
     def stale(self) -> bool:
         """Whether a file changed since the last `apply`. Any thread may ask."""
         effects, programs = self.residency.effects, self.renderer.programs
-        return bool(effects.changed() or self._materials.changed() or programs.changed())
+        profiles = self.renderer.profiles
+        own = self._materials.changed() or self.residency.textures.changed()
+        return bool(effects.changed() or own or programs.changed() or profiles.changed())
 
     def changed(self, now: float | None = None) -> bool:
         """Whether there is something for `apply` to do; looks at the files at most once per interval."""
@@ -113,7 +135,9 @@ class HotReload:
 
     def invalidate(self) -> None:
         """Take all files for changed."""
-        for watched in (self.residency.effects, self.renderer.programs, self._materials):
+        renderer = self.renderer
+        residency = self.residency
+        for watched in (residency.effects, renderer.programs, self._materials, renderer.profiles, residency.textures):
             watched.invalidate()
 
     def apply(self) -> Reloaded:
@@ -129,15 +153,44 @@ class HotReload:
             self._unfit[name] = self.residency.adopt_effect(name)
         passes = self.renderer.programs.poll()
         materials = self._reread(self._materials.take(), retry=changed_effects)
+        if names or passes:
+            self.unproven = tuple(dict.fromkeys((*self.unproven, *names, *passes)))
+            self._nonfinite = None
         if names or passes or materials:
             self.residency.materials.structure_rev += 1
             self.renderer.programs.forget()
             effects.expect()
             self._forgot_at = self.renderer.frames
+        profiles = self.renderer.profiles.reread()
+        textures = self.residency.reread_textures()
+        if profiles or textures:
+            self.residency.materials.structure_rev += 1
         ms = 1e3 * (time.perf_counter() - begun)
-        return Reloaded(tuple(names), tuple(materials), tuple(passes), self.problems, ms)
+        return Reloaded(
+            tuple(names), tuple(materials), tuple(passes), tuple(profiles), self.problems, ms, tuple(textures)
+        )
+
+    def prove(self, numbers: NumberReport | None) -> None:
+        """Take note of what a check of the numbers found in a picture by the new versions; see `unproven`."""
+        names, self.unproven = self.unproven, ()
+        first = numbers.first if numbers is not None else None
+        if first is None or not names:
+            return
+        effects = self.residency.effects
+        file = next((shader_file(f, effects.search) for n in names for f in self._fragments(n)), None)
+        self._nonfinite = ShaderError(
+            f"{', '.join(names)} compiles, but pass {first.pass_name!r} now leaves {first.describe()}", where=file,
+            hint="guard divisions, roots and logarithms of 0; the view 'nonfinite' shows where",
+        )  # fmt: skip
 
     # --- inside ---
+
+    def _fragments(self, name: str) -> list[str]:
+        """The fragment shaders of an effect, or the pass shader of that name."""
+        if Path(name).suffix:
+            return [f"passes/{name}"]
+        techniques = self.residency.effects.get(name).techniques.values()
+        return [file for technique in techniques for file in technique.files if file.endswith(".frag")]
 
     def _further(self, effect: Effect) -> Iterator[tuple[Device, VariantRequest]]:
         """The variants that a reloaded effect's materials will ask for."""
@@ -152,9 +205,9 @@ class HotReload:
     def _reread(self, changed: set[Path], *, retry: bool) -> list[Path]:
         """The material files taken over, of those that changed and (with `retry`) those that were wrong."""
         residency = self.residency
-        files = [path for path in residency.material_files if path in changed]
+        files = [p for p in residency.material_files if p in changed or changed & residency.parents_of(p)]
         if retry or changed:
-            files += [path for path in residency.material_errors if path not in changed]
+            files += [path for path in residency.material_errors if path not in files]
         taken = []
         for path in files:
             try:
@@ -189,9 +242,15 @@ class HotReload:
             yield "previous" if programs.has_own(fragment) else "built-in", error
         for path, error in residency.material_errors.items():
             yield "magenta" if residency.unread(residency.material_files[path]) else "previous", error
+        for path, error in residency.textures.errors.items():
+            yield "previous" if residency.textures.kept(path) else "ignored", error
+        for path, error in self.renderer.profiles.errors.items():
+            yield "previous" if self.renderer.profiles.kept(path) else "ignored", error
         for unfit in self._unfit.values():
             for error in unfit:
                 yield "ignored", error
+        if self._nonfinite is not None:
+            yield "nonfinite", self._nonfinite
 
     def _state_of(self, effect: str) -> str:
         """previous, unless a variant of the effect never was good."""

@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.assets.material import MaterialAsset, TextureRef
+from engine.assets.material import SAMPLING, MaterialAsset, TextureRef
 from engine.gpu.types import Buffer, Device, Sampler, SamplerDesc, Texture
-from engine.materials.effect import Effect
+from engine.materials.effect import Effect, texture_unit
 from engine.materials.fit import Complaint, fitted
 from engine.materials.table import MaterialTable
 from engine.resources.texture_pool import PooledTexture, TexturePool
@@ -127,7 +127,8 @@ class MaterialStore:
 
     def _group(self, asset: MaterialAsset, effect: Effect, textures: Mapping[str, PooledTexture]) -> int:
         key = tuple(
-            (textures[slot.name].array, self._sampler(asset.textures.get(slot.name))) for slot in effect.textures
+            (textures[slot.name].array, self._sampler(asset.textures.get(slot.name), slot.sampler))
+            for slot in effect.textures
         )
         group = self._groups.setdefault(key, len(self._group_list))
         if group == len(self._group_list):
@@ -177,17 +178,20 @@ class MaterialStore:
         trilinear filtering; elsewhere it would smooth what is meant to be hard."""
         most = min(anisotropy, self.device.caps.max_anisotropy)
         bound: dict[int, tuple[Texture, Sampler]] = {}
-        for unit, (array, sampler) in enumerate(self._group_list[group]):
+        for index, (array, sampler) in enumerate(self._group_list[group]):
             desc = self._samplers[sampler]
-            if most > 1.0 and desc.min_filter == "linear_mip_linear":
-                desc = replace(desc, anisotropy=most)
-            bound[unit] = (self.pool.texture(array), self.device.sampler(desc))
+            if desc.anisotropy > 0.0:  # by hand, in a sampler group
+                desc = replace(desc, anisotropy=min(desc.anisotropy, self.device.caps.max_anisotropy))
+            else:
+                full = most > 1.0 and desc.min_filter == "linear_mip_linear"
+                desc = replace(desc, anisotropy=most if full else 1.0)
+            bound[texture_unit(index)] = (self.pool.texture(array), self.device.sampler(desc))
         return bound
 
     def slot_texture(self, material: int, slot: str) -> tuple[Texture, int]:
         """The array texture that a slot of a material reads, and the layer in it."""
         record = self.records[material]
-        unit = next(i for i, s in enumerate(record.effect.textures) if s.name == slot)
+        unit = record.effect.slot_by_name[slot].unit
         row = self._effects[record.effect.name].table.rows[record.row]
         return self.bindings(record.group)[unit][0], int(row[f"{slot}_layer"])
 
@@ -198,9 +202,14 @@ class MaterialStore:
         self._effects.clear()
         self.records.clear()
 
-    def _sampler(self, ref: TextureRef | None) -> int:
+    def _sampler(self, ref: TextureRef | None, group: SamplerDesc | None) -> int:
+        """`group`: the effect's sampler group of the slot, for all that the material does not say itself."""
         ref = ref or TextureRef("")
-        desc = SamplerDesc(ref.wrap_u, ref.wrap_v, "clamp", ref.min_filter, ref.mag_filter)
+        said = {name: getattr(ref, name) for name in SAMPLING}
+        if group is not None:
+            plain = TextureRef("")
+            said = {n: value for n, value in said.items() if value != getattr(plain, n) or n in ref.stated}
+        desc = replace(group or SamplerDesc(anisotropy=0.0), **said)
         if desc not in self._sampler_ids:
             self._sampler_ids[desc] = len(self._samplers)
             self._samplers.append(desc)

@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.assets.dds import read_dds
 from engine.assets.lmesh import read_lmesh
-from engine.assets.material import MaterialAsset
+from engine.assets.material import QUEUES, MaterialAsset
+from engine.assets.material_parent import chain_files
 from engine.assets.material_toml import read_material
 from engine.assets.mesh import MeshAsset
 from engine.assets.texture import TextureAsset
@@ -28,10 +28,11 @@ from engine.core.toml_source import load_toml
 from engine.core.watched import Watched
 from engine.gpu.types import Device
 from engine.materials.effect import Effect
-from engine.materials.fit import fitted, merged, unfit
+from engine.materials.fit import fitted, in_numbers, merged, unfit
 from engine.materials.library import EffectLibrary
 from engine.resources.arena import MeshArena, MeshSlice
 from engine.resources.material_store import MaterialRecord, MaterialStore
+from engine.resources.texture_files import TextureFiles
 from engine.resources.texture_pool import PooledTexture, TexturePool
 
 #: texture slot default -> one RGBA8 texel
@@ -89,7 +90,10 @@ class Residency:
         self.material_errors: dict[Path, InputError] = {}
         #: by material id: its file as it was last read; None where it could not be
         self._as_read: dict[int, MaterialAsset | None] = {}
-        self._texture_files: dict[Path, PooledTexture] = {}
+        #: material file -> the files that it inherits from
+        self._parents: dict[Path, frozenset[Path]] = {}
+        #: the texture files that materials read
+        self.textures = TextureFiles(self.pool, self.findings)
         self._defaults: dict[str, PooledTexture] = {}
         self._default_material = -1
 
@@ -127,7 +131,7 @@ class Residency:
         """The id of a material file; the magenta material (with a finding) when it cannot be read."""
         path = path.resolve()
         if path not in self._material_files:
-            self.watched_materials.add([path])
+            self._watch(path)
             try:
                 asset = read_material(path)
                 self._effect(path, asset.effect)
@@ -143,30 +147,35 @@ class Residency:
     def load_materials(self, paths: Iterable[Path]) -> list[int]:
         """As load_material for many, with their textures' arrays allocated once."""
         wanted = [p.resolve() for p in paths]
-        textures: dict[Path, TextureAsset] = {}
-        self.watched_materials.add(wanted)
+        textures: list[Path] = []
         for path in dict.fromkeys(wanted):
             if path in self._material_files:
                 continue
+            self._watch(path)
             try:
                 asset = read_material(path)
             except InputError:
                 continue  # load_material reports it
             for ref in asset.textures.values():
-                file = (path.parent / ref.path).resolve()
-                if ref.path and file not in textures and file not in self._texture_files:
-                    texture = self._read_texture(file)
-                    if texture is not None:
-                        textures[file] = texture
-        self.pool.reserve(list(textures.values()))
-        for file, texture in textures.items():
-            self._texture_files[file] = self.pool.add(texture)
+                if ref.path:
+                    textures.append((path.parent / ref.path).resolve())
+        self.textures.load(textures)
         return [self.load_material(path) for path in wanted]
 
     def add_material(self, asset: MaterialAsset, base: Path, path: str = "") -> int:
         """Add a material from memory; texture paths are relative to `base`. Raises InputError for an unknown effect."""
         effect = self.effects.get(asset.effect)
+        asset = in_numbers(effect, asset)
         return self.materials.add(asset, effect, self._textures(asset, effect, base), path, base)
+
+    def _watch(self, path: Path) -> None:
+        """Look at a material file and at its parents from now on."""
+        self._parents[path] = frozenset(file.resolve() for file in chain_files(path)[1:])
+        self.watched_materials.add([path, *self._parents[path]])
+
+    def parents_of(self, path: Path) -> frozenset[Path]:
+        """The files that a material file inherits from, also such as are not there."""
+        return self._parents.get(path, frozenset())
 
     @property
     def material_files(self) -> Mapping[Path, int]:
@@ -181,6 +190,7 @@ class Residency:
         """Read a changed material file. Parameters that were set here since it was read, and are the same in the file,
         keep what they were set to. Raises InputError (with file:line:col); nothing is changed yet."""
         material = self._material_files[path]
+        self._watch(path)
         theirs = read_material(path)
         effect = self._effect(path, theirs.effect)
         _, complaints = fitted(effect, theirs)
@@ -189,6 +199,17 @@ class Residency:
         base = self._as_read.get(material)
         asset = merged(base, self.materials.records[material].said, theirs) if base else deepcopy(theirs)
         return Reread(path, material, asset, effect, theirs)
+
+    def reread_textures(self) -> list[Path]:
+        """Show the pixels of texture files that changed on disk, or came; returns those taken over."""
+        taken = self.textures.reread()
+        moved = {file for file, elsewhere in taken.items() if elsewhere}
+        for material, record in enumerate(self.materials.records if moved else ()):
+            files = {(record.folder / ref.path).resolve() for ref in record.asset.textures.values() if ref.path}
+            if files & moved:
+                textures = self._textures(record.asset, record.effect, record.folder)
+                self.materials.replace(material, record.asset, record.effect, textures, record.whole)
+        return list(taken)
 
     def take(self, new: Reread) -> None:
         """Show what `read_again` gave."""
@@ -224,6 +245,16 @@ class Residency:
     def set_material_param(self, material: int, name: str, value: Any) -> None:
         """Raises UsageError for an unknown name or a bad value."""
         self.materials.set_param(material, name, value)
+
+    def restate_material(self, material: int, asset: MaterialAsset) -> None:
+        """Let a material say something else: other textures, features, queue, values. What its effect does not take is
+        kept in `said`. Raises InputError for a queue that is none; then nothing is changed."""
+        if asset.queue not in QUEUES:
+            raise InputError(f"there is no queue {asset.queue!r}", hint=f"choose one of {', '.join(QUEUES)}")
+        record = self.materials.records[material]
+        fits, complaints = fitted(record.effect, asset)
+        textures = self._textures(fits, record.effect, record.folder)
+        self.materials.replace(material, fits, record.effect, textures, asset if complaints else None)
 
     @property
     def texture_bytes(self) -> int:
@@ -262,20 +293,8 @@ class Residency:
             return self._default(default)
         if not ref.path:
             return self._default(MISSING_TEXELS.get(slot, default))
-        file = (base / ref.path).resolve()
-        if file not in self._texture_files:
-            texture = self._read_texture(file)
-            if texture is None:
-                return self._default(MISSING_TEXELS.get(slot, default))
-            self._texture_files[file] = self.pool.add(texture)
-        return self._texture_files[file]
-
-    def _read_texture(self, file: Path) -> TextureAsset | None:
-        try:
-            return read_dds(file)
-        except InputError as error:
-            self.findings.error("texture.unreadable", str(error), hint="drawn in magenta; convert the source again")
-            return None
+        texture = self.textures.get((base / ref.path).resolve())
+        return texture if texture is not None else self._default(MISSING_TEXELS.get(slot, default))
 
     def _default(self, name: str) -> PooledTexture:
         if name not in self._defaults:

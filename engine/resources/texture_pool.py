@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 from engine.assets.texture import TextureAsset
+from engine.gpu.formats import texture_bytes
 from engine.gpu.types import Device, Texture, TextureDesc
 from engine.resources.unpack import DECODED_FORMATS, unpacked
 
@@ -31,6 +32,12 @@ class _Array:
     key: ArrayKey
     texture: Texture
     used: int
+    free: list[int] = field(default_factory=list)
+
+    @property
+    def texture_bytes(self) -> int:
+        """Of one layer with its mips."""
+        return texture_bytes(replace(self.texture.desc, layers=1))
 
 
 def array_key(asset: TextureAsset) -> ArrayKey:
@@ -76,14 +83,32 @@ class TexturePool:
         key = self._key(asset)
         if key[0] != asset.format:
             asset = unpacked(self._device, asset)
-        index = self._room(key, 1)
-        entry = self._arrays[index]
-        layer = entry.used
-        for level, data in enumerate(asset.levels[0]):
-            entry.texture.write(data, level=level, layer=layer)
-            self._bytes += len(data)
-        entry.used += 1
+        index = next((i for i, entry in enumerate(self._arrays) if entry.key == key and entry.free), -1)
+        if index < 0:
+            index = self._room(key, 1)
+            entry = self._arrays[index]
+            layer, entry.used = entry.used, entry.used + 1
+        else:
+            layer = self._arrays[index].free.pop()
+        self._bytes += self._write(index, layer, asset)
         return PooledTexture(index, layer)
+
+    def replace(self, old: PooledTexture, asset: TextureAsset) -> PooledTexture:
+        """Put other pixels in the place of a texture: in its layer where format, size and mips are the same, else in
+        another one; then the old layer is free for the next."""
+        key, entry = self._key(asset), self._arrays[old.array]
+        if key != entry.key:
+            self._bytes -= entry.texture_bytes
+            entry.free.append(old.layer)
+            return self.add(asset)
+        self._write(old.array, old.layer, unpacked(self._device, asset) if key[0] != asset.format else asset)
+        return old
+
+    def _write(self, index: int, layer: int, asset: TextureAsset) -> int:
+        texture = self._arrays[index].texture
+        for level, data in enumerate(asset.levels[0]):
+            texture.write(data, level=level, layer=layer)
+        return sum(map(len, asset.levels[0]))
 
     def release(self) -> None:
         for entry in self._arrays:

@@ -7,7 +7,8 @@
                               ├─ skins (joints, bind; linear or dual) ─> palettes; morphs (weights by node): both grow
                               │    the spheres of what they bend
                               ├─ lights, cameras (name a node) ───────────────> world() structured rows
-                              │    light_order: one order whatever the rows'; scatter: many at once; light_profiles
+                              │    light_order: one order whatever the rows'; scatter: many at once, which drift;
+                              │    arrays: lines, grids, rings of what there is; light_profiles
                               └─ counts() ─> what there is, hashable
 
 Row numbers stay until the row is removed; a removed row's number is used again with the next generation. `Node` views

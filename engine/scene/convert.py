@@ -103,9 +103,10 @@ def scene_asset(scene: Scene, base: SceneAsset | None) -> SceneAsset:
 def _node_asset(scene: Scene, row: int, index_of: dict[int, int], joint_of: dict[int, int]) -> NodeAsset:
     table = scene.nodes
     source = scene.sources.get(row)
-    tx, ty, tz = table.translation[row].tolist()
-    qx, qy, qz, qw = table.rotation[row].tolist()
-    sx, sy, sz = table.scale[row].tolist()
+    own = (table.translation[row], table.rotation[row], table.scale[row])
+    if scene.places is not None:  # of what a clip moves about a place of its own, that place
+        own = scene.places.of(row)
+    (tx, ty, tz), (qx, qy, qz, qw), (sx, sy, sz) = (part.tolist() for part in own)
     matrix = tuple(table.local_matrix(row).T.reshape(16).tolist()) if table.has_matrix[row] else None
     kept = replace(source, light=None, camera=None) if source else NodeAsset("")
     return replace(

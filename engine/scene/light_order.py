@@ -14,7 +14,7 @@ _BITS = 20
 #: what tells lights apart besides where they are, in the order in which it counts
 _VALUES = (
     "type", "range", "radiant", "direction", "right", "half_size", "cos_inner", "cos_outer", "two_sided", "profile",
-    "position",
+    "casts_shadow", "position",
 )  # fmt: skip
 
 

@@ -38,6 +38,7 @@ _SCHEMA = {
     "two_sided": (np.bool_, (), False),
     "temperature": (np.float64, (), 0.0),
     "profile": (np.int32, (), -1),
+    "casts_shadow": (np.bool_, (), False),
 }
 
 #: One light in the world. `radiant` = color * intensity (lux, candela or nit); `direction` is the way the light shines,
@@ -56,6 +57,7 @@ WORLD_LIGHT = np.dtype(
         ("half_size", np.float32, 2),
         ("two_sided", np.bool_),
         ("profile", np.int32),
+        ("casts_shadow", np.bool_),
         ("light", np.int32),
         ("node", np.int32),
     ]
@@ -135,6 +137,11 @@ class LightTable(Table):
         """i4[n]: index into `profiles`, -1 = none."""
         return self._view("profile")
 
+    @property
+    def casts_shadow(self) -> NDArray[np.bool_]:
+        """bool[n]: whether things hide the light of a point or spot light."""
+        return self._view("casts_shadow")
+
     def add(self, node: int, light: LightAsset | None = None, findings: Findings | None = None, path: str = "") -> int:
         """Add a light on `node` and return its row; its values are checked by `sanitize`, into `findings`."""
         self._nodes.select(node)
@@ -163,6 +170,7 @@ class LightTable(Table):
             "intensity": np.clip(powers, 0.0, MAX_INTENSITY), "range": like.range, "inner": like.inner_angle,
             "outer": like.outer_angle, "width": like.width, "height": like.height, "two_sided": like.two_sided,
             "temperature": like.temperature, "profile": self.profile_index(like.profile),
+            "casts_shadow": like.casts_shadow,
         }  # fmt: skip
         for name, value in values.items():
             data[name][rows] = value
@@ -187,6 +195,7 @@ class LightTable(Table):
             LIGHT_TYPES[self.type[row]], (r, g, b), float(self.intensity[row]), float(self.range[row]),
             float(self.inner[row]), float(self.outer[row]), float(self.width[row]), float(self.height[row]),
             bool(self.two_sided[row]), float(self.temperature[row]), self.profiles[profile] if profile >= 0 else "",
+            bool(self.casts_shadow[row]),
         )  # fmt: skip
 
     def profile_index(self, path: str) -> int:
@@ -266,6 +275,8 @@ class LightTable(Table):
         out["half_size"] = np.where(area[:, None], np.stack([self.width[rows], self.height[rows]], axis=1) / 2.0, 0.0)
         out["two_sided"] = area & self.two_sided[rows]
         out["profile"] = np.where(area | (out["type"] == 0), -1, self.profile[rows])
+        out["casts_shadow"] = (out["type"] == 1) | (out["type"] == 2)
+        out["casts_shadow"] &= self.casts_shadow[rows]
         out["light"], out["node"] = rows, node
         out.flags.writeable = False
         return out
@@ -281,6 +292,7 @@ class LightTable(Table):
         data["two_sided"][row] = light.two_sided
         data["temperature"][row] = light.temperature
         data["profile"][row] = self.profile_index(light.profile)
+        data["casts_shadow"][row] = light.casts_shadow
         self.rev += 1
 
 
@@ -338,4 +350,5 @@ def sanitize(light: LightAsset, findings: Findings | None = None, path: str = ""
         bool(light.two_sided),
         temperature,
         light.profile,
+        bool(light.casts_shadow),
     )

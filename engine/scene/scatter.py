@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from engine.assets.clip import Channel, ClipAsset
 from engine.assets.scene import LightAsset
 from engine.core.errors import InputError
 from engine.core.param import ParamBlock, param
@@ -39,13 +37,27 @@ class ScatterSettings(ParamBlock):
     size: float = param(0.2, min=0.0, max=1e6, unit="m", doc="width and height of rectangles and disks")
     aim: str = param("down", choices=("down", "random"), doc="where spots, rectangles and disks shine")
     seed: int = param(1, min=0, max=9999, doc="another number gives another arrangement")
+    drift: float = param(
+        0.0, min=0.0, max=1e6, step=0.01, unit="m", doc="let each circle so far from its place, 16 s a turn; 0 = still"
+    )
+    box: bool = param(False, doc="within a box of your own, instead of that of the selection or the scene")
+    box_low: tuple[float, float, float] = param(
+        (-1.0, 0.0, -1.0), min=-1e9, max=1e9, step=0.05, unit="m", doc="one corner of the box"
+    )
+    box_high: tuple[float, float, float] = param(
+        (1.0, 2.0, 1.0), min=-1e9, max=1e9, step=0.05, unit="m", doc="the opposite corner"
+    )
 
 
 def scatter_lights(scene: Scene, settings: ScatterSettings, low: ArrayLike, high: ArrayLike) -> int:
-    """Add the lights within the world box from `low` to `high` f8[3], below a new node; returns that node's row.
+    """Add the lights within the world box from `low` to `high` f8[3], or the settings' own one, below a new node;
+    returns that node's row. `settings.drift` is for drift.drift_clip.
 
     Raises InputError for a box that is not finite.
     """
+    if settings.box:
+        low = np.minimum(settings.box_low, settings.box_high)
+        high = np.maximum(settings.box_low, settings.box_high)
     low, high = np.asarray(low, np.float64), np.asarray(high, np.float64)
     if not (np.isfinite(low).all() and np.isfinite(high).all()):
         raise InputError("the box to scatter lights in has no size", hint="select something, or give a box")
@@ -86,27 +98,3 @@ def _colors(rng: np.random.Generator, settings: ScatterSettings) -> F8:
     between: F8 = first + (last - first) * share
     pure = np.clip(np.abs((share * 6.0 + np.array([0.0, 4.0, 2.0])) % 6.0 - 3.0) - 1.0, 0.0, 1.0)
     return np.where(settings.all_hues, first.max() * (0.2 + 0.8 * pure), between)
-
-
-def drift_clip(
-    scene: Scene, top: int, distance: float, seed: int, index_of: Mapping[int, int], name: str = "drift"
-) -> ClipAsset:
-    """Return a clip in which each child of node `top` circles by `distance` metres about where it is, 16 s a turn.
-
-    `index_of`: the index in the written scene of each node row. Playing it runs no code per light.
-    """
-    rows = np.flatnonzero(scene.nodes.alive & (scene.nodes.parent == top))
-    rng = np.random.default_rng(seed)
-    times = np.linspace(0.0, 16.0, 33).astype(np.float32)
-    turn = np.linspace(0.0, 2.0 * np.pi, 33)[:, None] + rng.uniform(0.0, 2.0 * np.pi, len(rows))
-    circle = np.stack([np.cos(turn), 0.4 * np.sin(2.0 * turn), np.sin(turn)], axis=-1)
-    path = (scene.nodes.translation[rows] + distance * circle).astype(np.float32)
-    return ClipAsset(
-        name,
-        [
-            Channel(
-                index_of[row], "translation", "linear", times, np.ascontiguousarray(path[:, i]), scene.nodes.name[row]
-            )
-            for i, row in enumerate(rows.tolist())
-        ],
-    )

@@ -12,6 +12,7 @@ from engine.assets.scene import EnvironmentAsset, LookAsset, NodeAsset, SceneAss
 from engine.core.findings import Findings
 from engine.math import bounds
 from engine.scene.cameras import CameraTable
+from engine.scene.copies import OwnPlaces
 from engine.scene.instances import InstanceTable
 from engine.scene.lights import LightTable
 from engine.scene.morphs import MorphTable
@@ -70,6 +71,8 @@ class Scene:
         self.findings = Findings()
         #: per living node that came from an asset or was given one: mesh, joints, weights, extras, for saving
         self.sources: dict[int, NodeAsset] = {}
+        #: of copies that clips move about a place of their own: where that is; whoever plays clips sets it
+        self.places: OwnPlaces | None = None
         self._counts: tuple[tuple[int, ...], SceneCounts] | None = None
 
     @classmethod

@@ -72,10 +72,9 @@ def check_file(path: Path, settings: ImportSettings, budgets: Mapping[str, float
     elif kind == "material":
         _check_material(path, findings)
     elif kind == "effect":
-        from engine.materials.effect import load_effect
+        from importers.effect_inspection import effect_findings
 
-        load_effect(path)
-        return findings
+        return effect_findings(path)
     elif not kind:
         findings, contents = _check_source(path, settings)
     from importers.checks.budgets import check_budgets

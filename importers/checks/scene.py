@@ -22,6 +22,7 @@ from engine.core.errors import UsageError
 from engine.core.findings import Findings
 from engine.core.paths import shaders_dir
 from engine.materials.library import EffectLibrary
+from engine.materials.pairing import pairing
 from engine.materials.suggest import hint
 from engine.math.bounds import transform_box
 from engine.math.ggx import MIN_ROUGHNESS
@@ -108,6 +109,9 @@ def check_material_numbers(material: MaterialAsset, path: str, findings: Finding
         if slot not in effect.slot_by_name:
             where = f"{path}.textures.{slot}" if path else f"textures.{slot}"
             _report_unknown(material, "texture", slot, effect.slot_by_name, where, findings)
+    for wrong, advice in pairing(material.features, material.effect, _number(material.params.get("roughness", 1.0))):
+        where = f"{path}.features" if path else "features"
+        findings.warn("material.pairing", f"material {material.name!r}: {wrong}", where, advice)
     roughness = material.params.get("roughness", 1.0)
     if isinstance(roughness, (int, float)) and 0.0 <= roughness < MIN_ROUGHNESS and "unlit" not in material.features:
         findings.info(
@@ -305,3 +309,7 @@ def _check_clip(clip: ClipAsset, path: str, nodes: int, findings: Findings) -> N
             finding.severity, finding.code, f"clip {clip.name!r}: {finding.message}", f"{path}.{finding.where.path}",
             finding.hint or "export the animation again; it is played as described",
         )  # fmt: skip
+
+
+def _number(value: object) -> float | None:
+    return float(value) if isinstance(value, (int, float)) else None

@@ -1,4 +1,4 @@
-"""`lucarna cache info|prune`: what the import cache holds, and making it smaller."""
+"""`lucarna cache info|prune`: what the caches of imports and shader programs hold, and making them smaller."""
 
 from __future__ import annotations
 

@@ -16,8 +16,13 @@ MANY = 40
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("file", metavar="FILE", help="a source, .lmesh, .lanim, .dds, .material.toml, .scene.json …")
     parser.add_argument("--scene", metavar="FILE", type=Path, help="an effect: the variants that this scene uses")
+    parser.add_argument(
+        "--pixels", action="store_true", help="with --scene: which features of its variants never change a pixel of it"
+    )
     parser.add_argument("--source", action="store_true", help="an effect: its flattened sources and generated blocks")
     parser.add_argument("--features", default="", metavar="A,B", help="an effect: features of the sources shown")
+    parser.add_argument("--brdf", metavar="OUT.png", type=Path, help="a material: draw its lobe, albedo, furnace, terms")
+    parser.add_argument("--incidence", metavar="DEGREES", type=float, default=45.0, help="with --brdf: of the light")
     parser.add_argument("--json", action="store_true", help="print one JSON object instead of text")
     parser.add_argument("--details", action="store_true", help="with --json: add what only this kind of file has")
     add_settings(parser)
@@ -30,9 +35,16 @@ def run(args: argparse.Namespace) -> int:
     from importers.presets import SettingsResolver
 
     path = Path(args.file)
+    if args.brdf is not None:
+        from importers.brdf_sheet import write_brdf
+
+        told = write_brdf(path, args.brdf, args.incidence)
+        print_json({"file": str(path), "brdf": str(args.brdf), "lines": told}) if args.json else print("\n".join(told))
+        return 0
     settings = SettingsResolver(preset=args.preset, flags=given_settings(args)).resolve(path).settings
     description, details, findings = describe(
-        path, settings, scene=args.scene, features=tuple(name for name in args.features.split(",") if name)
+        path, settings, scene=args.scene, features=tuple(name for name in args.features.split(",") if name),
+        pixels=args.pixels,
     )
     if args.json:
         print_json(description | ({"details": details} if args.details else {}))
@@ -71,9 +83,13 @@ def _tell_variants(description: dict[str, Any]) -> None:
     for variant in description.get("variants", []):
         variant.pop("absent", None)
         variant.pop("streams", None)
+        variant.pop("program", None)
         variant["features"] = variant["features"] or ["none"]
         variant["reasons"] = [f"{name}: {reason}" for name, reason in variant["reasons"].items()]
         variant["error"] = variant["error"].split("\n")[0]
+        variant["from cache"] = "yes" if variant.pop("from_cache") else ""
+    for item in description.get("feature_pixels", []):
+        item["error"] = item["error"].split("\n")[0]
 
 
 def _lines(values: dict[str, Any], depth: int) -> list[str]:

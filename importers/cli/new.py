@@ -14,7 +14,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("directory", metavar="DIR", type=Path, help="folder to make; it must be new or empty")
     parser.add_argument(
         "--sample", metavar="NAME", default="orrery",
-        help="what to begin with: orrery (default), atrium (1,024 moving lights), poles (thin poles, 1,024 lights)",
+        help="what to begin with: orrery (default), walker (a figure that walks), atrium (1,024 moving lights), "
+        "poles (thin poles, 1,024 lights)",
     )  # fmt: skip
     parser.add_argument("--lights", metavar="N", type=int, help="lights in the atrium or the poles (default 1024)")
     parser.add_argument("--json", action="store_true", help="print the result as JSON")

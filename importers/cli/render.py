@@ -47,8 +47,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--environment", help="studio | sky | uniform | none | an .hdr or .exr file, instead of the scene's"
     )
     parser.add_argument(
-        "--view", help="debug view: base_color, normal, roughness, metallic, occlusion, emission, nonfinite, …"
+        "--view", help="debug view: base_color, normal, roughness, metallic, emission, lighting, depth, overdraw, …"
     )
+    parser.add_argument("--no-legend", action="store_true", help="of a debug view in numbers: without what they mean")
     parser.add_argument(
         "--path", choices=("auto", "forward", "deferred", "tiled-deferred", "forward-plus"),
         help="how local lights reach surfaces, all with one picture (default auto: the cheapest; --explain says why)",
@@ -87,20 +88,24 @@ def run(args: argparse.Namespace) -> int:
         runtime.update(args.time)
         opened = time.perf_counter()
         plan = sequence(args, runtime.duration)
+        write = partial(_write, legend=not args.no_legend)
         if plan is None:
             view = View(_camera(runtime, args, width / height), width, height, settings)
-            frame = _write(runtime, view, args.out)
+            frame = write(runtime, view, args.out)
         else:
             frame = write_sequence(
-                runtime, args, plan, settings, (width, height), partial(_camera, runtime, args), _write
+                runtime, args, plan, settings, (width, height), partial(_camera, runtime, args), write
             )
         renderer = runtime.renderer
-        for finding in (*findings, *renderer.environments.findings, *renderer.skin_findings):
+        noted = (*findings, *renderer.environments.findings, *renderer.skin_findings, *renderer.light_findings)
+        for finding in dict.fromkeys(noted):
             print(finding, file=sys.stderr)
         for variant, error in runtime.renderer.programs.errors.items():
             print(f"error: {variant}: {error} (drawn in magenta)", file=sys.stderr)
         if args.explain:
             _explain(runtime, frame)
+        elif args.path and frame.path.path not in (args.path, "forward", "auto") and args.path != "auto":
+            print(f"path {frame.path.path}: {frame.path.reason}", file=sys.stderr)
         if args.stats is not None:
             _write_stats(args, frame, opened - start, time.perf_counter() - start, runtime.renderer.path.reason)
         print(f"{args.out}: {width}x{height}, {time.perf_counter() - start:.2f} s")
@@ -183,8 +188,8 @@ def _apply_environment(runtime: Runtime, choice: str | None) -> None:
     environment.kind, environment.path, environment.sun_illuminance = "image", str(path), 0.0
 
 
-def _write(runtime: Runtime, view: Any, out: Path) -> Frame:
-    from engine.app.headless import render_hdr, render_image
+def _write(runtime: Runtime, view: Any, out: Path, *, legend: bool = True) -> Frame:
+    from engine.app.headless import render_hdr, render_image, with_legend
     from engine.report.image import save_exr, save_png
 
     if out.suffix.lower() == ".exr":
@@ -192,6 +197,8 @@ def _write(runtime: Runtime, view: Any, out: Path) -> Frame:
         save_exr(out, hdr[:, :, :3])
         return frame
     image, frame = render_image(runtime, view)
+    if legend:
+        image = with_legend(image, frame)
     look = {f"lucarna.{name}": str(value) for name, value in view.settings.values().items()}
     save_png(out, image[:, :, :3], look)
     return frame
@@ -199,8 +206,13 @@ def _write(runtime: Runtime, view: Any, out: Path) -> Frame:
 
 def _explain(runtime: Runtime, frame: Frame) -> None:
     from engine.framegraph.explain import explain
+    from engine.materials.explain import level_lines, role_lines
 
     for line in explain(frame.graph, runtime.residency.effects.variants()):
+        print(line)
+    library = runtime.residency.effects
+    used = {record.effect.name: record.effect for record in runtime.residency.materials.records}
+    for line in (*level_lines(library.variants()), *role_lines(used.values())):
         print(line)
     choice = runtime.renderer.path
     print(f"path {choice.path}: {choice.reason}")

@@ -9,6 +9,7 @@ import re
 import subprocess
 import sys
 import tempfile
+import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -160,21 +161,26 @@ def write_sequence(
     cameras = _cameras(runtime, args, plan, size[0] / size[1], camera)
 
     def views() -> Iterator[View]:
-        for i, time in enumerate(plan.times):
-            runtime.update(time)
+        for i, at in enumerate(plan.times):
+            runtime.update(at)
             yield View(cameras(i), size[0], size[1], settings)
 
     frame: Frame | None = None
+    progress = Progress(len(plan.times))
     if args.out.suffix.lower() in VIDEOS:
         with _Video(args.out, plan.fps, size) as video:
-            for done, view in enumerate(views(), 1):
+            for view in views():
                 image, frame = render_image(runtime, view)
                 video.add(image[:, :, :3])
-                _progress(done, len(plan.times))
+                progress.step()
     else:
-        for done, (number, view) in enumerate(zip(plan.numbers, views(), strict=True), 1):
-            frame = write(runtime, view, picture_name(args.out, number))
-            _progress(done, len(plan.times))
+        try:
+            for number, view in zip(plan.numbers, views(), strict=True):
+                frame = write(runtime, view, picture_name(args.out, number))
+                progress.step()
+        except KeyboardInterrupt:
+            progress.stopped("pictures were written and are whole")
+            raise
     assert frame is not None
     return frame
 
@@ -207,8 +213,8 @@ def _cameras(
     azimuth, elevation = _orbit(args.orbit) if args.orbit else (AZIMUTH, ELEVATION)
     looks = sorted({plan.times[round(i * (len(plan.times) - 1) / _LOOKS)] for i in range(_LOOKS + 1)})
     parts = []
-    for time in looks:
-        runtime.update(time)
+    for at in looks:
+        runtime.update(at)
         points = scene_points(runtime.scene, runtime.residency)
         parts.append(points[:: max(1, len(points) // 20_000)])
         if len(points):
@@ -249,9 +255,34 @@ def _orbit(text: str) -> tuple[float, float]:
     return azimuth, elevation
 
 
-def _progress(done: int, count: int) -> None:
-    if sys.stderr.isatty():
-        print(f"\r{done}/{count}", end="\n" if done == count else "", file=sys.stderr, flush=True)
+class Progress:
+    """How many of `count` pictures are done, on stderr: one line that is written over on a terminal, elsewhere a line
+    each tenth of the way. With the time that is left once some are done."""
+
+    def __init__(self, count: int) -> None:
+        self.count, self.done = count, 0
+        self._start = time.monotonic()
+        self._told = 0
+        self._terminal = sys.stderr.isatty()
+
+    def step(self) -> None:
+        self.done += 1
+        tenths = 10 * self.done // self.count
+        if self._terminal:
+            end = "\n" if self.done == self.count else ""
+            print(f"\r\033[K{self._line()}", end=end, file=sys.stderr, flush=True)
+        elif tenths > self._told and self.count > 1:
+            self._told = tenths
+            print(self._line(), file=sys.stderr, flush=True)
+
+    def stopped(self, what: str) -> None:
+        print(f"{chr(10) if self._terminal else ''}{self.done} of {self.count} {what}", file=sys.stderr, flush=True)
+
+    def _line(self) -> str:
+        spent = time.monotonic() - self._start
+        left = spent / self.done * (self.count - self.done)
+        rest = f"  {math.ceil(left)} s left" if left else ""
+        return f"{self.done}/{self.count}  {100 * self.done // self.count} %{rest}"
 
 
 class _Video:

@@ -1,4 +1,4 @@
-"""Materials of the `surface` effect as glTF materials, with their images embedded as PNG or JPEG, each content once.
+"""Materials of `surface` and `layered` as glTF materials, with their images embedded as PNG or JPEG, each once.
 
 Source: glTF 2.0 specification (Khronos, 2021), section 3.9, and the KHR_materials_* extensions named below.
 """
@@ -11,6 +11,7 @@ from typing import Any
 from engine.assets.material import MaterialAsset, TextureRef
 from importers.export.glb_writer import GlbWriter
 from importers.export.source import ExportSource, Picture
+from importers.gltf.layers import SLOTS, write_layers
 
 _WRAPS = {"repeat": 10497, "mirror": 33648, "clamp": 33071}
 _FILTERS = {
@@ -36,7 +37,7 @@ class MaterialWriter:
         return self._numbers[material]
 
     def _material(self, number: int, asset: MaterialAsset) -> dict[str, Any]:
-        if asset.effect != "surface":
+        if asset.effect not in ("surface", "layered"):
             self._source.findings.warn(
                 "export.effect",
                 f"glTF has no effect {asset.effect!r}; what it shares with `surface` is written",
@@ -58,7 +59,7 @@ class MaterialWriter:
                 info = self._texture(number, slot, asset.textures[slot], asset.name)
                 if info is not None:
                     owner[key] = info
-        for slot in asset.textures.keys() - {slot for slot, _, _ in places}:
+        for slot in asset.textures.keys() - {slot for slot, _, _ in places} - SLOTS:
             self._source.findings.warn("export.texture", f"glTF has no place for {slot}; left out", asset.name)
         if "normalTexture" in entry and params.get("normal_scale", 1.0) != 1.0:
             entry["normalTexture"]["scale"] = params["normal_scale"]
@@ -72,7 +73,7 @@ class MaterialWriter:
             entry["alphaCutoff"] = params.get("alpha_cutoff", 0.5)
         if "double_sided" in asset.features:
             entry["doubleSided"] = True
-        extensions = self._extensions(asset)
+        extensions = self._extensions(number, asset)
         if extensions:
             entry["extensions"] = extensions
             for name in extensions:
@@ -81,13 +82,14 @@ class MaterialWriter:
             entry["extras"] = asset.extensions["extras"]
         return entry
 
-    def _extensions(self, asset: MaterialAsset) -> dict[str, Any]:
+    def _extensions(self, number: int, asset: MaterialAsset) -> dict[str, Any]:
         params = asset.params
         result: dict[str, Any] = {}
         for name, value in asset.extensions.items():
             # what was converted at import would be shown twice
             if name.startswith(("KHR_", "EXT_")) and name != "KHR_materials_pbrSpecularGlossiness":
                 result[name] = self._kept(value, asset.name)
+        result |= write_layers(asset, lambda slot: self._texture(number, slot, asset.textures[slot], asset.name))
         if "unlit" in asset.features:
             result["KHR_materials_unlit"] = {}
         if params.get("emissive_strength", 1.0) != 1.0:

@@ -1,4 +1,5 @@
-"""Materials: glTF's metallic-roughness model and its common extensions become the `surface` effect's parameters.
+"""Materials: glTF's metallic-roughness model and its common extensions become the `surface` effect's parameters,
+further layers (layers.py) those of `layered`.
 
 Source: glTF 2.0 specification (Khronos, 2021), section 3.9; KHR_texture_transform, KHR_materials_unlit,
 KHR_materials_emissive_strength, KHR_materials_ior, KHR_materials_specular, KHR_materials_pbrSpecularGlossiness
@@ -17,6 +18,7 @@ from engine.assets.material import MaterialAsset, TextureRef
 from importers.gltf import spec_gloss
 from importers.gltf.document import Document, JsonObject
 from importers.gltf.extras import storable
+from importers.gltf.layers import LAYERS, read_layers
 from importers.gltf.uris import storable_text
 from importers.model import ImportedMaterial, SourceImage, TextureUse
 from importers.settings import ImportSettings
@@ -31,7 +33,7 @@ _MIN = {
 _QUEUES = {"OPAQUE": "opaque", "MASK": "alpha_test", "BLEND": "transparent"}
 _SHOWN = {
     "KHR_materials_unlit", "KHR_materials_emissive_strength", "KHR_materials_pbrSpecularGlossiness",
-    "KHR_materials_ior", "KHR_materials_specular",
+    "KHR_materials_ior", "KHR_materials_specular", *LAYERS,
 }  # fmt: skip
 #: extensions that name another image than the plain one, best first
 _SOURCES = ("KHR_texture_basisu", "MSFT_texture_dds", "EXT_texture_webp", "EXT_texture_avif")
@@ -46,7 +48,7 @@ class Images(list[SourceImage]):
 
 
 def read_material(doc: Document, index: int, images: Images) -> ImportedMaterial:
-    """Material `index` for the `surface` effect. Extensions that it cannot show are kept and named in a finding.
+    """Material `index` for the `surface` or `layered` effect. What neither can show is kept and named in a finding.
 
     `images`: all of the file; those that a conversion makes are appended."""
     material, where = doc.objects("materials")[index], f"materials[{index}]"
@@ -86,9 +88,13 @@ def _keep_coverage(result: ImportedMaterial) -> None:
 
 
 def normal_map_uv(material: ImportedMaterial) -> int | None:
-    """The uv set of the material's normal map, or None where it has none."""
-    reference = material.asset.textures.get("normal_map")
-    return None if reference is None else reference.uv_set
+    """The uv set that tangents follow: of the material's normal map, of its coat's, or of the grain of a stretched
+    lobe; None where it needs none."""
+    textures = material.asset.textures
+    for slot in ("normal_map", "clearcoat_normal_map", "anisotropy_map"):
+        if slot in textures:
+            return textures[slot].uv_set
+    return 0 if "anisotropy" in material.asset.features else None
 
 
 def _extensions(doc: Document, material: JsonObject, where: str, result: ImportedMaterial, images: Images) -> None:
@@ -115,12 +121,10 @@ def _extensions(doc: Document, material: JsonObject, where: str, result: Importe
         asset.params["specular"] = doc.number(specular, "specularFactor", place, 1.0, 0.0, 1.0)
         tint = doc.vector(specular, "specularColorFactor", place, (1.0, 1.0, 1.0))
         asset.params["specular_color"] = tuple(min(max(v, 0.0), 100.0) for v in tint)
-        if {"specularTexture", "specularColorTexture"} & specular.keys():
-            asset.extensions["KHR_materials_specular"] = _kept(doc, specular)
-            doc.findings.info("gltf.extension", "KHR_materials_specular: its textures are kept, not shown yet", place)
     old = doc.extension(material, "KHR_materials_pbrSpecularGlossiness", where)
     if old is not None:
         _specular_glossiness(doc, material, old, where, result, images)
+    read_layers(doc, material, where, result, _texture, _kept)
 
 
 def _specular_glossiness(

@@ -5,6 +5,11 @@
 #if SUN_SHADOWS
 #include "lib/shadows.glsl"
 #endif
+// what is seen through has other surroundings than the depth knows
+#define AMBIENT_VISIBILITY (AMBIENT_OCCLUSION && !BLENDED)
+#if AMBIENT_VISIBILITY
+#include "lib/ambient_occlusion.glsl"
+#endif
 #ifdef ALPHA_TO_COVERAGE
 #include "lib/alpha_coverage.glsl"
 #endif
@@ -25,7 +30,7 @@ layout(location = 9) in vec3 v_skin;
 layout(location = 0) in vec3 v_position;
 layout(location = 1) in vec3 v_normal;
 layout(location = 2) flat in uint v_material;
-#if NORMAL_MAP
+#if NORMAL_MAP || HAS_TANGENT
 layout(location = 3) in vec4 v_tangent;
 #endif
 #if HAS_UV0
@@ -36,6 +41,9 @@ layout(location = 5) in vec2 v_uv1;
 #endif
 #if VERTEX_COLOR
 layout(location = 6) in vec4 v_color;
+#endif
+#ifdef NODE_SCALE
+layout(location = 10) flat in float v_scale;
 #endif
 
 layout(location = 0) out vec4 o_color;
@@ -61,18 +69,37 @@ struct Surface {
     float occlusion;
 };
 
-Surface gather(MaterialParams m)
+#ifdef SURFACE_MODEL
+// Another model of reflection (lib/surface_model.glsl and others like it) says these behind this file; what it keeps of
+// the material in between is its own.
+void begin_model(MaterialParams m, inout Surface s, vec3 v);
+vec3 shade_model(MaterialParams m, Surface s, vec3 v, float sun);
+Reflector model_reflector(Surface s, vec3 v);
+vec3 finish_model(vec3 color, inout float alpha, Surface s, vec3 v);
+#endif
+
+vec2 first_uv()
 {
 #if HAS_UV0
-    vec2 uv0 = v_uv0;
+    return v_uv0;
 #else
-    vec2 uv0 = vec2(0.0);
+    return vec2(0.0);
 #endif
+}
+
+vec2 second_uv()
+{
 #if UV1
-    vec2 uv1 = v_uv1;
+    return v_uv1;
 #else
-    vec2 uv1 = uv0;
+    return first_uv();
 #endif
+}
+
+Surface gather(MaterialParams m)
+{
+    vec2 uv0 = first_uv();
+    vec2 uv1 = second_uv();
     Surface s;
     s.base_color = m.base_color;
 #if BASE_COLOR_MAP
@@ -94,6 +121,10 @@ Surface gather(MaterialParams m)
     s.occlusion = 1.0;
 #if OCCLUSION_MAP
     s.occlusion = mix(1.0, sample_occlusion_map(m, uv0, uv1).r, m.occlusion_strength);
+#endif
+
+#if AMBIENT_VISIBILITY
+    s.occlusion *= ambient_visibility(gl_FragCoord.xy);
 #endif
 
     s.emission = m.emissive * m.emissive_strength;
@@ -173,7 +204,19 @@ SurfaceTexels texels_of(MaterialParams m, Surface s)
 }
 #endif
 
-#if LOCAL_LIGHTS
+#if LOCAL_LIGHTS && defined SURFACE_MODEL
+// Nothing is packed: such a surface is never deferred, so that all paths shade it by this.
+vec3 add_model_lights(vec3 color, Surface s)
+{
+#if MULTISAMPLED
+    vec3 p = v_position;
+#else
+    vec3 p = position_from_depth(gl_FragCoord.xy, gl_FragCoord.z);
+#endif
+    Reflector r = model_reflector(s, safe_normalize(view_vector(p)));
+    return add_local_lights(color, uvec2(gl_FragCoord.xy), p, r, BLENDED);
+}
+#elif LOCAL_LIGHTS
 vec3 add_lights(vec3 color, SurfaceTexels t)
 {
 #if MULTISAMPLED
@@ -187,15 +230,15 @@ vec3 add_lights(vec3 color, SurfaceTexels t)
 #endif
 
 #if VIEW_OF_SURFACE
-// One thing about the surface instead of its shading.
-vec3 surface_view(MaterialParams m)
+// One thing about the surface instead of its shading. Alpha: how light a quantity is drawn; with none of it, grey.
+vec4 surface_view(MaterialParams m)
 {
 #if VIEW_DEPTH
-    return depth_view(gl_FragCoord.z, view.camera.w > 0.5);
+    return vec4(vec3(view_depth(v_position)), 1.0);
 #elif VIEW_OVERDRAW
-    return OVERDRAW_STEP;
+    return vec4(1.0);
 #elif VIEW_WIREFRAME
-    return vec3(0.75);
+    return vec4(vec3(0.75), 1.0);
 #elif HAS_UV0
 #if UV1
     vec2 uv = m.base_color_map_uv == 1u ? v_uv1 : v_uv0;
@@ -206,18 +249,23 @@ vec3 surface_view(MaterialParams m)
     uv = vec2(dot(m.base_color_map_row0.xyz, vec3(uv, 1.0)), dot(m.base_color_map_row1.xyz, vec3(uv, 1.0)));
 #endif
 #if VIEW_UV_CHECKER
-    return uv_checker_view(uv);
+    return vec4(uv_checker_view(uv), 1.0);
 #elif BASE_COLOR_MAP
-    return texel_density_view(uv, vec2(textureSize(t_base_color_map, 0).xy), v_position);
+    vec2 density = texel_density_view(uv, vec2(textureSize(t_base_color_map, 0).xy), v_position);
+    return vec4(vec3(density.x), density.y);
 #elif NORMAL_MAP
-    return texel_density_view(uv, vec2(textureSize(t_normal_map, 0).xy), v_position);
+    vec2 density = texel_density_view(uv, vec2(textureSize(t_normal_map, 0).xy), v_position);
+    return vec4(vec3(density.x), density.y);
 #elif METAL_ROUGH_MAP
-    return texel_density_view(uv, vec2(textureSize(t_metal_rough_map, 0).xy), v_position);
+    vec2 density = texel_density_view(uv, vec2(textureSize(t_metal_rough_map, 0).xy), v_position);
+    return vec4(vec3(density.x), density.y);
 #else
-    return vec3(0.08);
+    return vec4(0.0);
 #endif
+#elif VIEW_OF_VALUE
+    return vec4(0.0);
 #else
-    return vec3(0.08);
+    return vec4(vec3(0.08), 1.0);
 #endif
 }
 #endif
@@ -237,11 +285,22 @@ void main()
 #endif
 #if UNLIT
     vec3 color = s.base_color.rgb;
+#elif defined SURFACE_MODEL
+    vec3 v = safe_normalize(view_vector(v_position));
+    begin_model(m, s, v);
+    vec3 color = shade_model(m, s, v, first_sun(s));
 #else
     vec3 color = shade(m, s, safe_normalize(view_vector(v_position)));
 #endif
 #if LOCAL_LIGHTS && !UNLIT
+#ifdef SURFACE_MODEL
+    color = add_model_lights(sanitise(color), s);
+#else
     color = add_lights(sanitise(color), texels_of(m, s));
+#endif
+#endif
+#if defined SURFACE_MODEL && !UNLIT
+    color = finish_model(color, s.base_color.a, s, v);
 #endif
 #if DEBUG_VIEW == 1
     color = s.base_color.rgb;
@@ -260,10 +319,16 @@ void main()
 #if CASCADE_TINT
     color *= cascade_tint(v_position);
 #endif
+#elif DEBUG_VIEW == 21
+    color = vec3(1.0);
+#if AMBIENT_VISIBILITY
+    color = vec3(ambient_visibility(gl_FragCoord.xy));
+#endif
 #elif VIEW_OF_SKIN
     color = v_skin * (0.6 + 0.4 * sat(s.normal.y * 0.5 + 0.5));
 #elif VIEW_OF_SURFACE
-    color = surface_view(m);
+    vec4 seen_view = surface_view(m);
+    color = seen_view.rgb;
     s.base_color.a = 1.0;
 #elif GBUFFER_VIEW
     SurfaceTexels seen = texels_of(m, s);
@@ -277,6 +342,9 @@ void main()
     o_color = vec4(sanitise(color) * alpha, alpha);  // premultiplied
 #else
     o_color = vec4(sanitise(color), 1.0);
+#if VIEW_OF_VALUE
+    o_color.a = seen_view.a;
+#endif
 #endif
 #if GBUFFER
     SurfaceTexels t = texels_of(m, s);

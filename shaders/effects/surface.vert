@@ -13,7 +13,7 @@ layout(location = 0) in vec3 a_position;
 #if HAS_NORMAL
 layout(location = 1) in vec4 a_normal;
 #endif
-#if NORMAL_MAP
+#if NORMAL_MAP || HAS_TANGENT
 layout(location = 2) in vec4 a_tangent;
 #endif
 #if HAS_UV0
@@ -40,7 +40,7 @@ invariant gl_Position;
 layout(location = 0) out vec3 v_position;
 layout(location = 1) out vec3 v_normal;
 layout(location = 2) flat out uint v_material;
-#if NORMAL_MAP
+#if NORMAL_MAP || HAS_TANGENT
 layout(location = 3) out vec4 v_tangent;
 #endif
 #if HAS_UV0
@@ -51,6 +51,9 @@ layout(location = 5) out vec2 v_uv1;
 #endif
 #if VERTEX_COLOR
 layout(location = 6) out vec4 v_color;
+#endif
+#ifdef NODE_SCALE
+layout(location = 10) flat out float v_scale;  // of lengths in the mesh's own units
 #endif
 
 #if SKINNING
@@ -83,7 +86,7 @@ void main()
 #else
     vec3 normal = vec3(0.0);
 #endif
-#if NORMAL_MAP
+#if NORMAL_MAP || HAS_TANGENT
     vec3 tangent = a_tangent.xyz;
 #else
     vec3 tangent = vec3(0.0);
@@ -95,7 +98,10 @@ void main()
     v_position = vec3(dot(r0, p), dot(r1, p), dot(r2, p));
     gl_Position = view.clip_from_origin * vec4(v_position, 1.0);
 
-#if HAS_NORMAL || NORMAL_MAP
+#ifdef NODE_SCALE
+    v_scale = (length(r0.xyz) + length(r1.xyz) + length(r2.xyz)) * (1.0 / 3.0);
+#endif
+#if HAS_NORMAL || NORMAL_MAP || HAS_TANGENT
     // Normals go by the cofactor matrix: right for any scale, finite where the inverse transpose is not. The linear part
     // is brought to size 1 first: cofactors grow with the square of a node's scale, and the handedness with the cube.
     vec3 largest = max(max(abs(r0.xyz), abs(r1.xyz)), abs(r2.xyz));
@@ -114,7 +120,7 @@ void main()
 #else
     v_normal = vec3(0.0);  // only depth is drawn
 #endif
-#if NORMAL_MAP
+#if NORMAL_MAP || HAS_TANGENT
     vec3 t = tangent;
     v_tangent = vec4(dot(l0, t), dot(l1, t), dot(l2, t), a_tangent.w * handedness);
 #endif

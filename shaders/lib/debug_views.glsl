@@ -9,27 +9,16 @@
 #define VIEW_UV_CHECKER (DEBUG_VIEW == 18)
 #define VIEW_OF_SURFACE (DEBUG_VIEW >= 14 && DEBUG_VIEW <= 18)
 
-// Each fragment adds so much: ten are white.
-const vec3 OVERDRAW_STEP = vec3(0.20, 0.10, 0.05);
+// These write a quantity, which the last pass colours (passes/tone_map.frag, engine/render/legends.py).
+#define VIEW_OF_VALUE (VIEW_DEPTH || VIEW_OVERDRAW || VIEW_TEXEL_DENSITY)
 
-// White at the near plane, darker with every doubling of the distance; black at 4,096 times as far. With an
-// orthographic camera evenly from near to far. Depth is near / distance (reversed, endless).
-vec3 depth_view(float depth, bool perspective)
-{
-    float nearness = perspective ? sat(1.0 + log2(max(depth, 1e-9)) / 12.0) : sat(depth);
-    return vec3(nearness * nearness);
-}
+#if VIEW_DEPTH
+#include "lib/position.glsl"
+#endif
 
-// Blue below 1, green at 2^4, red at 2^8 and above.
-vec3 heat_of_powers(float power)
-{
-    float x = sat(power / 8.0);
-    return clamp(vec3(2.0 * x - 1.0, 1.0 - abs(2.0 * x - 1.0), 1.0 - 2.0 * x), 0.0, 1.0) * 0.85 + 0.1;
-}
-
-// Texels a metre, of a texture of `size` texels laid by `uv` over the points `p`: heat from 32 (blue) over 512 (green) to
-// 8192 (red), checked in cells of 16 texels.
-vec3 texel_density_view(vec2 uv, vec2 size, vec3 p)
+// Texels a metre, of a texture of `size` texels laid by `uv` over the points `p`; and how light to draw it: cells of 16
+// texels, light and dim.
+vec2 texel_density_view(vec2 uv, vec2 size, vec3 p)
 {
     vec2 du = dFdx(uv) * size;
     vec2 dv = dFdy(uv) * size;
@@ -39,7 +28,7 @@ vec3 texel_density_view(vec2 uv, vec2 size, vec3 p)
     float density = sqrt(texels / max(area, 1e-20));
     vec2 cell = floor(uv * size / 16.0);
     float checked = mod(cell.x + cell.y, 2.0);
-    return heat_of_powers(log2(max(density, 1e-6)) - 5.0) * (0.75 + 0.25 * checked);
+    return vec2(clamp(density, 1e-3, 32000.0), 0.75 + 0.25 * checked);
 }
 
 // Eight cells each way over one turn of uv; red grows with u, green with v (down), so that mirrored and turned parts show;

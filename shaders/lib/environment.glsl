@@ -39,7 +39,9 @@ vec3 environment_radiance(vec3 d_ws, float perceptual_roughness)
 // Diffuse and specular reflection of the environment with multiple scattering.
 // Fdez-Aguera 2019, "A Multiple-Scattering Microfacet Model for Real-Time Image Based Lighting", JCGT 8(1), listing 3;
 // a white surface in a uniform environment returns exactly what it receives, at any roughness.
-vec3 environment_lighting(vec3 n, vec3 v, vec3 f0, vec3 diffuse_albedo, float perceptual_roughness, float occlusion)
+// `mirror_n`: the normal that mirrors; another one than `n` where a lobe is stretched.
+vec3 environment_lighting_bent(
+    vec3 n, vec3 mirror_n, vec3 v, vec3 f0, vec3 diffuse_albedo, float perceptual_roughness, float occlusion)
 {
     float n_dot_v = clamp(dot(n, v), 1e-4, 1.0);
     vec2 dfg = split_sum(n_dot_v, perceptual_roughness);
@@ -50,9 +52,14 @@ vec3 environment_lighting(vec3 n, vec3 v, vec3 f0, vec3 diffuse_albedo, float pe
     vec3 fms_ems = fss_ess * f_avg / max(1.0 - f_avg * ems, 1e-4) * ems;
     vec3 k_d = diffuse_albedo * (1.0 - fss_ess - fms_ems);
     vec3 irradiance = environment_irradiance(n);
-    vec3 radiance = environment_radiance(reflect(-v, n), perceptual_roughness);
+    vec3 radiance = environment_radiance(reflect(-v, mirror_n), perceptual_roughness);
     // Lagarde and de Rousiers 2014, "Moving Frostbite to PBR", listing 26: occlusion of the specular lobe.
     float specular_occlusion =
         sat(pow(n_dot_v + occlusion, exp2(-16.0 * perceptual_roughness - 1.0)) - 1.0 + occlusion);
     return fss_ess * radiance * specular_occlusion + (fms_ems + k_d) * irradiance * occlusion;
+}
+
+vec3 environment_lighting(vec3 n, vec3 v, vec3 f0, vec3 diffuse_albedo, float perceptual_roughness, float occlusion)
+{
+    return environment_lighting_bent(n, n, v, f0, diffuse_albedo, perceptual_roughness, occlusion);
 }

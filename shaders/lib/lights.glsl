@@ -1,6 +1,7 @@
 // Lights: directional, point, spot; area lights in area_lights.glsl. The Light struct and the buffer are generated (engine/render/light_rows.py);
 // the first directional ones (suns) are in the view block.
 #include "lib/brdf.glsl"
+#include "lib/steps.glsl"
 
 // Both are 0 where the scene has none; a shader that does not say is right for every scene.
 #ifndef AREA_LIGHTS
@@ -77,9 +78,18 @@ struct Reflector {
     float n_dot_v;
 };
 
+#ifdef SURFACE_MODEL
+// Another model of reflection, which says these (see effects/surface.frag).
+vec3 model_reflected(Reflector r, vec3 l, vec3 e);
+vec3 model_area_lighting(Light light, vec3 p, Reflector r);
+#endif
+
 // Radiance reflected towards v of irradiance `e` (perpendicular to l) from direction l: Lambert under a GGX coat.
 vec3 reflected(Reflector r, vec3 l, vec3 e)
 {
+#ifdef SURFACE_MODEL
+    return model_reflected(r, l, e);
+#else
     float n_dot_l = dot(r.n, l);
     if (n_dot_l <= 0.0) return vec3(0.0);
     vec3 h = safe_normalize(l + r.v);
@@ -89,6 +99,7 @@ vec3 reflected(Reflector r, vec3 l, vec3 e)
     vec3 specular = f * min(d * vis, 1e6);
     vec3 diffuse = (1.0 - f) * r.diffuse_albedo * (1.0 / PI);
     return (specular + diffuse) * e * n_dot_l;
+#endif
 }
 
 // Directional lights in the view block. `visibility`: how much of the first one arrives.
@@ -109,7 +120,9 @@ vec3 sun_lighting(Reflector r, float visibility)
 // Radiance towards r.v that the surface at p reflects of light `i`; exactly 0 beyond its reach (LightRows.bounds).
 vec3 light_contribution(uint i, vec3 p, Reflector r)
 {
-#if AREA_LIGHTS
+#if AREA_LIGHTS && defined SURFACE_MODEL
+    if (lights[i].type >= 3u) return model_area_lighting(lights[i], p, r);
+#elif AREA_LIGHTS
     if (lights[i].type >= 3u) return area_lighting(lights[i], p, r);
 #endif
     vec3 l;
@@ -121,6 +134,8 @@ vec3 light_contribution(uint i, vec3 p, Reflector r)
 vec3 local_lighting(vec3 p, Reflector r)
 {
     vec3 sum = vec3(0.0);
-    for (uint i = 0u; i < view.counts.x; ++i) sum += light_contribution(i, p, r);
+#define ADD_CONTRIBUTION(j) if (i + j < view.counts.x) sum += light_contribution(i + j, p, r);
+    for (uint i = 0u; i < view.counts.x; i += STEPS) { REPEAT(ADD_CONTRIBUTION) }
+#undef ADD_CONTRIBUTION
     return sum;
 }

@@ -3,11 +3,20 @@
 #include "lib/lights.glsl"
 #include "lib/position.glsl"
 #include "lib/steps.glsl"
+#if LOCAL_SHADOWS
+#include "lib/local_shadows.glsl"
+#endif
 
-// One light's share. Not-a-number and infinity stop here, so that a sum that is blended into a target stays finite.
-vec3 light_share(uint i, vec3 p, Reflector r)
+// One light's share at p, `pixel` (the seed of a filter). Not-a-number and infinity stop here, so that a sum that is blended
+// into a target stays finite.
+vec3 light_share(uint i, vec3 p, Reflector r, uvec2 pixel)
 {
-    return sanitise(light_contribution(i, p, r));
+    vec3 share = light_contribution(i, p, r);
+#if LOCAL_SHADOWS
+    // what brings nothing needs no look
+    if (share.x + share.y + share.z > 0.0) share *= local_visibility(i, p, r.n, pixel);
+#endif
+    return sanitise(share);
 }
 
 #if LOCAL_LIGHTS == 2
@@ -87,35 +96,48 @@ void widen(inout Walk w, uvec2 tile, vec3 p)
 }
 #endif
 
+// Which lights a tile has: from `first` on in the list, or all of the scene.
+struct LightRun {
+    uint first;
+    uint count;
+    bool all_lights;
+};
+
+LightRun light_run(uvec2 tile, int layer)
+{
+    uvec2 header = texelFetch(t_light_tiles, ivec3(tile, layer), 0).xy;
+    // what cannot be a header of this frame means every light: slow, but right
+    bool all_lights = header.y > view.counts.x || header.x > view.tiles.y || header.x + header.y > view.tiles.y;
+    return LightRun(header.x, all_lights ? view.counts.x : header.y, all_lights);
+}
+
+uint light_of(LightRun run, uint k) { return run.all_lights ? k : light_list[run.first + k]; }
+
 // `list`: 0 for what is opaque, 1 for what is blended.
 vec3 add_local_lights(vec3 color, uvec2 pixel, vec3 p, Reflector r, int list)
 {
     int layer = view.clusters.z > 0.5 ? cluster_slice(view_depth(p)) : list;
     uvec2 tile = pixel >> view.tiles.x;
-    uvec2 header = texelFetch(t_light_tiles, ivec3(tile, layer), 0).xy;
-    // what cannot be a header of this frame means every light: slow, but right
-    bool all_lights = header.y > view.counts.x || header.x > view.tiles.y || header.x + header.y > view.tiles.y;
-    uint count = all_lights ? view.counts.x : header.y;
+    LightRun run = light_run(tile, layer);
 #if MULTISAMPLED
     // helpers, the part of a 2x2 quad outside of the triangle, need not see what a buffer holds; they would take all lights
     if (gl_HelperInvocation) return color;
-    Walk walk = Walk(0u, count, header.x, all_lights, 0u, 0u, 0u);
-    if (!all_lights && !in_tile(tile, p, list)) widen(walk, tile, p);
+    Walk walk = Walk(0u, run.count, run.first, run.all_lights, 0u, 0u, 0u);
+    if (!run.all_lights && !in_tile(tile, p, list)) widen(walk, tile, p);
     bool more = true;
     uint i;
-#define ADD_LIGHT(j) if (next_light(walk, i)) color += light_share(i, p, r); else more = false;
+#define ADD_LIGHT(j) if (next_light(walk, i)) color += light_share(i, p, r, pixel); else more = false;
     while (more) { REPEAT(ADD_LIGHT) }
 #else
-#define ADD_LIGHT(j) if (k + j < count) \
-        color += light_share(all_lights ? k + j : light_list[header.x + k + j], p, r);
-    for (uint k = 0u; k < count; k += STEPS) { REPEAT(ADD_LIGHT) }
+#define ADD_LIGHT(j) if (k + j < run.count) color += light_share(light_of(run, k + j), p, r, pixel);
+    for (uint k = 0u; k < run.count; k += STEPS) { REPEAT(ADD_LIGHT) }
 #endif
     return color;
 }
 #else
 vec3 add_local_lights(vec3 color, uvec2 pixel, vec3 p, Reflector r, int list)
 {
-#define ADD_LIGHT(j) if (k + j < view.counts.x) color += light_share(k + j, p, r);
+#define ADD_LIGHT(j) if (k + j < view.counts.x) color += light_share(k + j, p, r, pixel);
     for (uint k = 0u; k < view.counts.x; k += STEPS) { REPEAT(ADD_LIGHT) }
     return color;
 }

@@ -1,18 +1,24 @@
 // A bit per light and bin (4 x 4 tiles): whether the light can reach anything there. One invocation a word of 32 lights.
 #include "lib/light_culling.glsl"
+#include "lib/light_groups.glsl"
 
 layout(local_size_x = 64) in;
 layout(std430, binding = 2) readonly buffer ViewMaskBlock { uint view_mask[]; };
 layout(std430, binding = 3) writeonly buffer BinMaskBlock { uint bin_mask[]; };
+layout(std430, binding = 6) writeonly buffer BinPartBlock { uint bin_parts[]; };  // a bit per word of the bin's mask
 layout(std430, binding = 4) readonly buffer BinBlock { uvec4 bin_depth[]; };
+
+shared uint s_parts[2];
 
 void main()
 {
+    uint local = gl_LocalInvocationIndex;
+    if (local < 2u) s_parts[local] = 0u;
+    barrier();
     uint word = gl_GlobalInvocationID.x;
-    if (word >= culling.words) return;
     uvec2 bin = gl_WorkGroupID.yz;
     uint bin_index = bin.y * culling.bin_columns + bin.x;
-    uint left = view_mask[word];
+    uint left = word < culling.words ? view_mask[word] : 0u;
     uint mask = 0u;
     uvec4 depths = bin_depth[bin_index];
     bool solid = (depths.z & 1u) != 0u;
@@ -25,6 +31,7 @@ void main()
         // what is blended may stand anywhere from the eye to what is solid behind it
         f.near = blended ? 0.0 : uintBitsToFloat(depths.x);
         f.far = blended && sky ? 3e38 : uintBitsToFloat(depths.y);
+        if (!group_meets(word, f)) left = 0u;
         while (left != 0u) {
             int bit = findLSB(left);
             left &= left - 1u;
@@ -34,5 +41,8 @@ void main()
                 mask |= 1u << bit;
         }
     }
-    bin_mask[bin_index * culling.words + word] = mask;
+    if (word < culling.words) bin_mask[bin_index * culling.words + word] = mask;
+    if (mask != 0u) atomicOr(s_parts[local / 32u], 1u << (local & 31u));
+    barrier();
+    if (local < 2u) bin_parts[bin_index * culling.parts + gl_WorkGroupID.x * 2u + local] = s_parts[local];
 }

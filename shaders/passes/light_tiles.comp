@@ -1,16 +1,19 @@
-// The list of lights of each tile, in ascending order. Counted first, then room is taken, then it is written; where there
-// is no room the header says that all lights are meant.
+// The list of lights of each tile, in ascending order.
+//   WRITES 0: how long it is, into the header; 1: take room for it and write it; where there is none, the header says that
+//   all lights are meant
 //   z of the dispatch: which list. 0: what is solid; 1: what is blended; with clusters: the slice
 #include "lib/light_culling.glsl"
+#include "lib/light_groups.glsl"
 #include "lib/steps.glsl"
 
 layout(local_size_x = 4, local_size_y = 4) in;
 layout(std430, binding = 1) readonly buffer TileBlock { TileBounds tile_bounds[]; };
 layout(std430, binding = 3) readonly buffer BinMaskBlock { uint bin_mask[]; };
+layout(std430, binding = 6) readonly buffer BinPartBlock { uint bin_parts[]; };
 layout(std430, binding = 5) writeonly buffer LightListBlock { uint light_list[]; };
-// entries taken, lists without room, what they wanted / 256, lights tried, lights kept
+// entries taken, lists without room, entries wanted / 256 and what that leaves of each list, lights tried
 layout(std430, binding = 7) buffer CounterBlock { uint counters[]; };
-layout(binding = 0, rg32ui) uniform writeonly uimage2DArray i_light_tiles;
+layout(binding = 0, rg32ui) uniform uimage2DArray i_light_tiles;
 
 const uint ALL_LIGHTS = 0xffffffffu;
 
@@ -61,6 +64,13 @@ bool keeps(Target t, LightBound b)
     return !t.boxed || meets_box(t.lo[0], t.hi[0], b, radius) || meets_box(t.lo[1], t.hi[1], b, radius);
 }
 
+// Whether the target keeps any light of this word of the mask.
+bool group_in(Target t, uint word)
+{
+    return group_meets(word, t.frustum)
+        && (!t.boxed || group_meets_box(word, t.lo[0], t.hi[0]) || group_meets_box(word, t.lo[1], t.hi[1]));
+}
+
 // The point at a view depth on the ray through a place of the picture (pixels).
 vec3 at_depth(vec2 pixel, float depth)
 {
@@ -77,8 +87,8 @@ void main()
 {
     uvec2 tile = gl_GlobalInvocationID.xy;
     if (tile.x >= view.tiles.z || tile.y >= view.tiles.w) return;
-    int list = int(gl_WorkGroupID.z) + int(culling.first_list);
-    uint bin = (gl_WorkGroupID.y * culling.bin_columns + gl_WorkGroupID.x) * culling.words;
+    int list = int(gl_WorkGroupID.z);
+    uint bin_index = gl_WorkGroupID.y * culling.bin_columns + gl_WorkGroupID.x;
     TileBounds bounds = tile_bounds[tile.y * view.tiles.z + tile.x];
     bool solid = (bounds.bits.y & 1u) != 0u;
     bool sky = (bounds.bits.y & 2u) != 0u;
@@ -148,53 +158,56 @@ void main()
     t.cone_sin = sqrt(1.0 - t.cone_cos * t.cone_cos);
 #endif
 
+#if WRITES
+    uint count = imageLoad(i_light_tiles, ivec3(tile, list)).y;
+    if (count == 0u) return;
+    // taken only if it fits: the counter never passes the room, so it cannot wrap round
+    uint old = counters[0];
+    bool taken = false;
+    for (;;) {
+        if (old + count > view.tiles.y) break;
+        uint seen = atomicCompSwap(counters[0], old, old + count);
+        if (seen == old) {
+            taken = true;
+            break;
+        }
+        old = seen;
+    }
+    imageStore(i_light_tiles, ivec3(tile, list), uvec4(taken ? uvec2(old, count) : uvec2(0u, ALL_LIGHTS), 0u, 0u));
+    if (!taken) {
+        atomicAdd(counters[1], 1u);
+        return;
+    }
+    uint at = old;
+#define FOUND if (at < old + count) light_list[at++] = i;
+#else
     uint count = 0u;
     uint tried = 0u;
-    if (wanted) {
-        for (uint w = 0u; w < culling.words; ++w) {
-            uint left = bin_mask[bin + w];
+#define FOUND ++count;
+#endif
+    for (uint part = 0u; part < culling.parts && wanted; ++part) {
+        uint words = bin_parts[bin_index * culling.parts + part];
+        while (words != 0u) {
+            uint w = part * 32u + uint(findLSB(words));
+            words &= words - 1u;
+            uint left = group_in(t, w) ? bin_mask[bin_index * culling.words + w] : 0u;
+#if !WRITES
             tried += uint(bitCount(left));
-#define COUNT(j) if (left != 0u) { \
+#endif
+#define TRY(j) if (left != 0u) { \
                 uint i = w * 32u + uint(findLSB(left)); \
                 left &= left - 1u; \
-                if (keeps(t, light_bound(i))) ++count; \
+                if (keeps(t, light_bound(i))) { FOUND } \
             }
-            while (left != 0u) { REPEAT(COUNT) }
+            while (left != 0u) { REPEAT(TRY) }
         }
     }
-    uvec2 header = uvec2(0u, count);
+#if !WRITES
+    imageStore(i_light_tiles, ivec3(tile, list), uvec4(0u, count, 0u, 0u));
     if (count > 0u) {
-        // taken only if it fits: the counter never passes the room, so it cannot wrap round
-        uint old = counters[0];
-        bool taken = false;
-        for (;;) {
-            if (old + count > view.tiles.y) break;
-            uint seen = atomicCompSwap(counters[0], old, old + count);
-            if (seen == old) {
-                taken = true;
-                break;
-            }
-            old = seen;
-        }
-        if (taken) {
-            header.x = old;
-            uint at = old;
-            for (uint w = 0u; w < culling.words; ++w) {
-                uint left = bin_mask[bin + w];
-#define WRITE(j) if (left != 0u) { \
-                    uint i = w * 32u + uint(findLSB(left)); \
-                    left &= left - 1u; \
-                    if (keeps(t, light_bound(i)) && at < old + count) light_list[at++] = i; \
-                }
-                while (left != 0u) { REPEAT(WRITE) }
-            }
-        } else {
-            header = uvec2(0u, ALL_LIGHTS);
-            atomicAdd(counters[1], 1u);
-            atomicAdd(counters[2], (count + 255u) / 256u);
-        }
-        atomicAdd(counters[4], count);
+        atomicAdd(counters[2], count >> 8u);
+        atomicAdd(counters[3], count & 255u);
     }
-    if (tried > 0u) atomicAdd(counters[3], tried);
-    imageStore(i_light_tiles, ivec3(tile, list), uvec4(header, 0u, 0u));
+    if (tried > 0u) atomicAdd(counters[4], tried);
+#endif
 }

@@ -24,14 +24,14 @@ void main()
     r.f0 = vec3(0.0);
     r.f90 = 0.0;
     r.diffuse_albedo = vec3(1.0);
-    vec3 diffuse = light_share(v_light, p, r);
+    vec3 diffuse = light_share(v_light, p, r, uvec2(pixel));
     r.f0 = vec3(1.0);
     r.f90 = 1.0;
     r.diffuse_albedo = vec3(0.0);
-    vec3 specular = light_share(v_light, p, r);
+    vec3 specular = light_share(v_light, p, r, uvec2(pixel));
     o_color = vec4(diffuse, dot(specular, vec3(0.2126, 0.7152, 0.0722)));
 #else
     Reflector r = unpack_surface(gbuffer_texels(pixel), v);
-    o_color = vec4(light_share(v_light, p, r), 0.0);
+    o_color = vec4(light_share(v_light, p, r, uvec2(pixel)), 0.0);
 #endif
 }

@@ -1,5 +1,6 @@
 // The mean of the samples of a pixel, scene-linear.
 #include "lib/math.glsl"
+#include "lib/with_bloom.glsl"
 
 layout(location = 0) in vec2 v_uv;
 #if SAMPLES > 1
@@ -17,4 +18,7 @@ void main()
         sum += vec4(sanitise(hdr.rgb), coverage(hdr.a));
     }
     o_color = sum * (1.0 / float(SAMPLES));
+#if BLOOM
+    o_color.rgb = with_bloom(o_color.rgb, ivec2(gl_FragCoord.xy), resolve.bloom_kept, resolve.bloom_scattered);
+#endif
 }

@@ -2,6 +2,10 @@
 #include "lib/color.glsl"
 #include "lib/math.glsl"
 #include "lib/tone_map.glsl"
+#include "lib/with_bloom.glsl"
+#if VALUES
+#include "lib/ramp.glsl"
+#endif
 
 layout(location = 0) in vec2 v_uv;
 #if SAMPLES > 1
@@ -13,8 +17,15 @@ layout(location = 0) out vec4 o_color;
 
 vec4 display(vec4 hdr)
 {
+#if VALUES
+    // a quantity of which there is none is black, one that is not known (alpha 0) grey
+    if (!(hdr.r > 0.0)) return vec4(vec3(hdr.a > 0.0 ? 0.0 : 0.08), 1.0);
+    float value = tone_map.ramp_log > 0.5 ? log2(hdr.r) : hdr.r;
+    return vec4(ramp(value * tone_map.ramp_scale + tone_map.ramp_offset) * min(hdr.a, 1.0), 1.0);
+#else
     // Every curve has long been white at 65504; beyond 1e19 the squares in some would overflow, and inf / inf is black.
-    vec3 c = min(sanitise(hdr.rgb) * tone_map.exposure_scale, vec3(65504.0));
+    vec3 c = with_bloom(sanitise(hdr.rgb), ivec2(gl_FragCoord.xy), tone_map.bloom_kept, tone_map.bloom_scattered);
+    c = min(c * tone_map.exposure_scale, vec3(65504.0));
 #if TONE_MAP == 1
     c = tone_map_agx(c);
 #elif TONE_MAP == 2
@@ -23,6 +34,7 @@ vec4 display(vec4 hdr)
     c = tone_map_neutral(c);
 #endif
     return vec4(clamp(c, 0.0, 1.0), coverage(hdr.a));
+#endif
 }
 
 void main()

@@ -7,9 +7,14 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
+from engine.animation.animator import Animator
 from engine.animation.events import MOST_CROSSINGS, Fired, Marker, crossings
+from engine.animation.graph import single
 from engine.animation.playhead import LOOP, ONCE, PING_PONG, Playheads, mode_number
+from engine.animation.sampler import ClipSampler
+from engine.assets.clip import ClipAsset
 from engine.core.errors import InputError
+from tests.animation.crowd import channel, rig
 
 MARKERS = np.array([0.0, 0.1, 0.25, 0.25, 0.5, 0.999, 1.0])
 NUMBERS = np.arange(len(MARKERS))
@@ -51,7 +56,7 @@ def test_every_marker_exactly_once_over_10_000_seeks_speeds_and_pauses(mode: str
     rng = np.random.default_rng(mode_number(mode))
     count = 20
     heads = Playheads(count, mode)
-    number, total = mode_number(mode), 0
+    number, total, seeks = mode_number(mode), 0, 0
     for _ in range(500):
         choice = rng.integers(0, 10, count)
         speed = np.select(
@@ -60,8 +65,9 @@ def test_every_marker_exactly_once_over_10_000_seeks_speeds_and_pauses(mode: str
              rng.choice([0.25, 0.5, 1.0, -0.25, -1.0, 2.0], count)], 0.0,
         )  # fmt: skip
         speed = np.where(choice == 9, 100.0 * 0.016 * rng.choice([-1.0, 1.0], count), speed)
-        if rng.random() < 0.3:
-            who = np.flatnonzero(rng.random(count) < 0.3)
+        if rng.random() < 0.7:
+            who = np.flatnonzero(rng.random(count) < 0.6)
+            seeks += len(who)
             heads.seek(rng.choice([0.0, 0.1, 0.25, 0.3, 1.0, 7.25, -0.5], len(who)), who)
         before = [position(heads, i) for i in range(count)]
         fresh = heads.fresh.copy()
@@ -74,6 +80,56 @@ def test_every_marker_exactly_once_over_10_000_seeks_speeds_and_pauses(mode: str
             assert sorted(got) == sorted(want), (mode, float(before[i]), float(after), bool(fresh[i]))
             total += len(got)
     assert total > 10_000  # the test has tested something
+    assert seeks > 3_500
+
+
+@pytest.mark.parametrize("mode", ["loop", "once", "ping-pong"])
+def test_the_event_log_of_a_crowd_over_10_000_seeks(mode: str) -> None:
+    """Through the animator, as scripts get them: clip of 1 s, all times in 64ths, so that counting is exact."""
+    times = np.array([0.0, 0.125, 0.5, 0.5, 0.984375, 1.0])
+    sampler = ClipSampler(ClipAsset("c", [channel(0, "translation", [0, 1], np.eye(3)[:2])]), rig(1))
+    graph = single(sampler, mode)
+    graph.clips[0].markers.extend(Marker(str(i), float(t)) for i, t in enumerate(times))
+    count, rng = 100, np.random.default_rng(mode_number(mode) + 10)
+    animator = Animator(graph, count)
+    animator.update(0.0)
+    heads, period = animator.machine.heads, 2.0 if mode == "ping-pong" else 1.0
+    log, seeks = 0, 0
+    for _ in range(90):
+        who = np.flatnonzero(rng.random(count) < 0.5)
+        animator.seek(rng.integers(-64, 128, len(who)) / 64.0, who)
+        seeks += len(who)
+        animator.speed[:] = rng.choice([1.0, -1.0, 0.25, 100.0, -100.0, 0.0], count)
+        for _ in range(2):  # the second goes on where the first has stopped
+            start, fresh = heads.turn * period + heads.phase, heads.fresh.copy()
+            fired = animator.update(float(rng.integers(0, 24)) / 16.0)
+            end = heads.turn * period + heads.phase
+            got = np.zeros((count, len(times)), np.int64)
+            np.add.at(got, (fired.character, fired.marker), 1)
+            moves = animator.speed != 0.0
+            moves &= (end != start) | (heads.fresh != fresh)  # a once-clip at its end is asked to move, and stands
+            np.testing.assert_array_equal(got, _passed(start, end, fresh & moves, times, mode))
+            assert fired.left_out == 0
+            log += len(fired)
+    assert seeks > 4_000  # of each of three modes
+    assert log > 10_000
+
+
+def _passed(a: np.ndarray, b: np.ndarray, here: np.ndarray, times: np.ndarray, mode: str) -> np.ndarray:
+    """How often each marker lies in (a, b], in [b, a) on the way back, and at `a` itself where that is still due."""
+    result = np.zeros((len(a), len(times)), np.int64)
+    for number, time in enumerate(times.tolist()):
+        places = {time} if mode == "once" else {time % 1.0} if mode == "loop" else {time, (2.0 - time) % 2.0}
+        for place in places:
+            if mode == "once":
+                on, back, at = (a < place) & (place <= b), (b <= place) & (place < a), a == place
+            else:
+                period = 1.0 if mode == "loop" else 2.0
+                x, y = (a - place) / period, (b - place) / period
+                on, back = np.floor(y) - np.floor(x), np.ceil(x) - np.ceil(y)
+                at = (x == np.floor(x)) & (mode != "loop" or time < 1.0)  # the end is not due at the start
+            result[:, number] += np.where(b > a, on, np.where(b < a, back, 0)).astype(np.int64) + (at & here)
+    return result
 
 
 def test_order_is_the_order_of_passing() -> None:

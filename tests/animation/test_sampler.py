@@ -141,3 +141,20 @@ def test_a_clip_of_wide_turns_is_played_by_slerp() -> None:
     out = poses.resting(made.rig.rest, 1)
     made.sample([0.25], out)
     assert angle(out[poses.R][:, 0, 0], turning(1, 0.625)) < 1e-7  # float32 keys; bent it would be off by 1e-2
+
+
+def test_one_character_gets_the_bits_that_a_crowd_gets() -> None:
+    rng = np.random.default_rng(11)
+    for interpolation in ("linear", "step", "cubic"):
+        for shared in (True, False):
+            asset = random_clip(rng, 6, shared=shared, interpolation=interpolation)
+            sampler = ClipSampler(asset, rig(6))
+            times = np.array(
+                [-1.0, 0.0, 0.37, 1.0, sampler.duration, 1e12, np.nan, *rng.uniform(0, sampler.duration, 9)]
+            )
+            crowd = poses.resting(rig(6).rest, len(times))
+            sampler.sample(times, crowd)
+            for i, time in enumerate(times.tolist()):
+                alone = rig(6).rest.copy()
+                sampler.sample_one(time, alone)
+                np.testing.assert_array_equal(alone, crowd[:, i])

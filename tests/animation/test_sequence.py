@@ -85,7 +85,7 @@ def test_synced_blocks_stay_in_step_through_the_fade() -> None:
         sequence.clip_time(track, block, times) / length for block, length in zip(track.blocks, (2.0, 1.0), strict=True)
     ]
     np.testing.assert_allclose(phase[0], phase[1], atol=1e-12)
-    before, after = (sequence._phase(track, track.blocks[1], np.array([t, t + 0.5])) for t in (0.5, 4.0))
+    before, after = (sequence.phase(track, track.blocks[1], np.array([t, t + 0.5])) for t in (0.5, 4.0))
     assert np.diff(before)[0] == pytest.approx(0.25, rel=1e-6)
     assert np.diff(after)[0] == pytest.approx(0.5, rel=1e-6)
 

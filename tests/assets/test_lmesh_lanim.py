@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import random
+import zlib
 from pathlib import Path
 from typing import Any
 
@@ -11,11 +12,15 @@ import numpy as np
 import pytest
 from safetensors.numpy import load_file
 
-from engine.assets.clip import Channel, ClipAsset
-from engine.assets.lanim import read_lanim, write_lanim
+from engine.animation.sample import ClipPlayer
+from engine.assets.clip import Channel, ClipAsset, CodedChannel
+from engine.assets.container import write_container
+from engine.assets.key_codes import candidates
+from engine.assets.lanim import OLD_SCHEMA, clip_arrays, read_lanim, write_lanim
 from engine.assets.lmesh import read_lmesh, read_provenance, write_lmesh
 from engine.assets.mesh import MeshAsset, MorphTarget, Skeleton, Submesh
 from engine.core.errors import FormatError, InputError, LucarnaError
+from engine.scene.nodes import NodeTable
 
 
 def make_mesh(n: int = 5, name: str = "mesh") -> MeshAsset:
@@ -177,9 +182,121 @@ def test_broken_channels_are_not_written(tmp_path: Path, change: Any, message: s
         write_lanim(tmp_path / "x.lanim", clip)
 
 
+def coded_clip() -> ClipAsset:
+    """Every coding, float ones between them."""
+    rng = np.random.default_rng(1)
+    clip = make_clip()
+    times = np.linspace(0.0, 2.0, 9).astype("<f4")
+    turned = rng.normal(size=(9, 4)) * 0.2 + np.array([0.0, 0.0, 1.0, 0.0])
+    turned /= np.linalg.norm(turned, axis=1, keepdims=True)
+    for i, codes in enumerate([*candidates(turned), *candidates(rng.normal(size=(9, 3)))]):
+        kind = "scale" if i == 3 else "rotation"
+        clip.channels.insert(i, CodedChannel(i + 3, kind, "step" if i == 1 else "linear", times, codes, f"n{i}"))
+    return clip
+
+
+def test_coded_keys_round_trip_and_are_decoded_when_asked_for(tmp_path: Path) -> None:
+    clip = coded_clip()
+    write_lanim(tmp_path / "x.lanim", clip)
+    read = read_lanim(tmp_path / "x.lanim")
+    kinds = {c.codes.coding for c in read.channels if c.codes is not None}
+    assert len(kinds) == 3
+    for a, b in zip(clip.channels, read.channels, strict=True):
+        assert (a.node, a.path, a.interpolation, a.target) == (b.node, b.path, b.interpolation, b.target)
+        assert (a.codes is None) == (b.codes is None)
+        if b.codes is not None:
+            assert isinstance(b, CodedChannel)
+            assert b._decoded is None
+            assert not b.codes.codes.flags.owndata  # mapped
+        np.testing.assert_array_equal(a.times, b.times)
+        np.testing.assert_array_equal(a.values, b.values)
+        assert b.values.dtype == np.float32
+        assert not b.values.flags.writeable
+    write_lanim(tmp_path / "y.lanim", read)
+    assert (tmp_path / "x.lanim").read_bytes() == (tmp_path / "y.lanim").read_bytes()
+    nodes = NodeTable()
+    rows = nodes.add_many([""] * 7)
+    fresh = read_lanim(tmp_path / "x.lanim")
+    player = ClipPlayer(fresh, rows)
+    assert player.node_rows.tolist() == ClipPlayer(clip, rows).node_rows.tolist()
+    assert player.duration == 2.0
+    assert all(c._decoded is None for c in fresh.channels if isinstance(c, CodedChannel))
+    player.apply(nodes, 0.5)
+    assert all(c._decoded is not None for c in fresh.channels if isinstance(c, CodedChannel))
+    other = read.channels[0].of_node(99)
+    assert (other.node, other.codes) == (99, read.channels[0].codes)
+
+
+def test_the_bytes_are_the_same_everywhere() -> None:
+    """Codes are made of sums, products, quotients and roots alone: known bytes, from keys that need no library."""
+    steps = np.arange(40) / 64.0
+    q = np.stack([steps, -0.5 * steps, 0.25 * steps, 2.0 - steps], axis=1)
+    q /= np.sqrt(q[:, 0] * q[:, 0] + q[:, 1] * q[:, 1] + q[:, 2] * q[:, 2] + q[:, 3] * q[:, 3])[:, None]
+    coded = (*candidates(q), *candidates(q[:, :3]))
+    found = [zlib.crc32(c.codes.tobytes() + c.low.tobytes() + c.step.tobytes()) for c in coded]
+    assert found == [182851837, 1716120967, 2200369539, 182851837]
+
+
+def test_files_of_the_first_schema_are_read(tmp_path: Path) -> None:
+    clip = make_clip()
+    metadata = {
+        "schema": OLD_SCHEMA, "name": "walk", "provenance": {}, "start": 0.25, "frame_rate": 30.0,
+        "channels": [[c.node, c.path, c.interpolation, c.target] for c in clip.channels],
+    }  # fmt: skip
+    arrays = {f"c{i}.{n}": getattr(c, n) for i, c in enumerate(clip.channels) for n in ("times", "values")}
+    write_container(tmp_path / "old.lanim", metadata, arrays)
+    read = read_lanim(tmp_path / "old.lanim")
+    assert (read.start, read.frame_rate, len(read.channels)) == (0.25, 30.0, 3)
+    for a, b in zip(clip.channels, read.channels, strict=True):
+        np.testing.assert_array_equal(a.values, b.values)
+
+
+@pytest.mark.parametrize(
+    ("array", "at", "value", "message"),
+    [
+        ("channels", (0, 0), -1, "not a count"),
+        ("channels", (0, 1), 4, "a channel"),
+        ("channels", (0, 2), 9, "a channel"),
+        ("channels", (0, 2), 2, "cubic rotation as"),
+        ("channels", (0, 3), 7, "a channel"),
+        ("channels", (0, 4), 3, "rotation of 3 components"),
+        ("channels", (3, 3), 2, "scale of 3 components as largest"),
+        ("channels", (0, 5), 0, "a channel"),
+        ("channels", (0, 5), 2**31 - 1, "a channel"),
+        ("channels", (0, 6), -3, "a channel"),
+        ("channels", (0, 6), 1, "rising|numbers"),
+        ("keys", 0, 60000, "times"),
+        ("keys", 1, 0, "strictly rising"),
+        ("times", 1, np.nan, "strictly rising"),
+        ("ranges", 0, np.inf, "range of the keys"),
+        ("ranges", 1, 3e4, "range of the keys"),
+        ("ranges", None, 0, "too few"),
+        ("codes", None, 0, "too few"),
+        ("floats", None, 0, "too few"),
+        ("floats", "more", 0, "the channels have"),
+        ("floats", 3, np.nan, "values are not finite"),
+        ("times", "f8", 0, "expected <f4"),
+    ],
+)
+def test_lies_in_the_arrays_are_found(tmp_path: Path, array: str, at: Any, value: float, message: str) -> None:
+    arrays = {name: values.copy() for name, values in clip_arrays(coded_clip()).items()}
+    if at is None:
+        arrays[array] = arrays[array][:-1]
+    elif at == "more":
+        arrays[array] = np.append(arrays[array], arrays[array][:1])
+    elif at == "f8":
+        arrays[array] = arrays[array].astype("<f8")
+    else:
+        arrays[array][at] = value
+    targets = [c.target for c in coded_clip().channels]
+    write_container(tmp_path / "x.lanim", {"schema": "lucarna.anim/2", "name": "x", "targets": targets}, arrays)
+    with pytest.raises(FormatError, match=message):
+        read_lanim(tmp_path / "x.lanim")
+
+
 def test_damaged_files_raise_only_our_errors(tmp_path: Path) -> None:
     write_lmesh(tmp_path / "x.lmesh", [make_mesh()])
-    write_lanim(tmp_path / "x.lanim", make_clip())
+    write_lanim(tmp_path / "x.lanim", coded_clip())
     rng = random.Random(7)
     for kind, reader in (("lmesh", read_lmesh), ("lanim", read_lanim)):
         good = (tmp_path / f"x.{kind}").read_bytes()
@@ -193,9 +310,11 @@ def test_damaged_files_raise_only_our_errors(tmp_path: Path) -> None:
             path = tmp_path / f"bad{trial}.{kind}"
             path.write_bytes(bad)
             try:
-                reader(path)
+                found = reader(path)
             except LucarnaError:
                 continue
+            if isinstance(found, ClipAsset):
+                assert all(np.isfinite(c.values).all() for c in found.channels)
 
 
 def test_hostile_headers(tmp_path: Path) -> None:

@@ -5,9 +5,11 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from engine.app.project import load_project
+from engine.assets.clip_nodes import clip_nodes
 from engine.assets.lanim import read_lanim
 from engine.assets.samples.sample import make_sample, write_sample
 from engine.assets.scene_json import read_scene
@@ -79,3 +81,35 @@ def test_samples_that_there_are_not(tmp_path: Path, capsys: Capture) -> None:
     assert main(["new", str(tmp_path / "mine"), "--lights", "3"]) == 2
     assert main(["new", str(tmp_path / "mine"), "--sample", "atrium", "--lights", "999999"]) == 2
     assert not list(tmp_path.iterdir())
+
+
+def test_drift_beside_what_moves_already(tmp_path: Path) -> None:
+    """Clips know nodes by number: those of a second scatter must be none of the first one's."""
+    first = write_sample(make_sample("poles", lights=0), tmp_path)
+    second, third = first.with_name("two.scene.json"), first.with_name("three.scene.json")
+    words = ["--scatter", "3", "--drift", "0.5", "--box", "0", "1", "0", "9", "2", "9"]
+    assert main(["lights", str(first), "--out", str(second), *words]) == 0
+    assert main(["lights", str(second), "--out", str(third), *words, "--seed", "2"]) == 0
+    made = read_scene(third)
+    assert made.clips == ["two.drift.lanim", "three.drift.lanim"]
+    bind = clip_nodes(made.nodes)
+    assert bind is not None
+    moved = [c.node for file in made.clips for c in bind.bind(read_lanim(third.with_name(file))).channels]
+    assert moved == [i for i, node in enumerate(made.nodes) if node.light is not None]
+
+
+def test_an_array_of_a_node(scene: Path, capsys: Capture) -> None:
+    one, ring = scene.with_name("one.scene.json"), scene.with_name("ring.scene.json")
+    box = ["--box", "0", "1", "2", "0", "1", "2"]
+    assert main(["lights", str(scene), "--out", str(one), "--scatter", "1", *box]) == 0
+    words = ["lights", str(one), "--out", str(ring), "--array", "Point light 1", "--json"]
+    capsys.readouterr()
+    assert main([*words, "--set", "shape=ring", "--set", "count=4", "--set", "radius=2"]) == 0
+    assert json.loads(capsys.readouterr().out)["nodes"] == 3
+    lamps = [node for node in read_scene(ring).nodes if node.light is not None]
+    assert [node.name for node in lamps] == [f"Point light {i}" for i in (1, 2, 3, 4)]
+    places = np.array([node.translation for node in lamps])
+    # about +Y, from +X over -Z: the middle lies two metres along -X of the first
+    assert np.allclose(places, [[0, 1, 2], [-2, 1, 0], [-4, 1, 2], [-2, 1, 4]], atol=1e-9)
+    assert main([*words[:5], "Point lihgt 1"]) == 2
+    assert "did you mean 'Point light 1'" in capsys.readouterr().err

@@ -90,6 +90,27 @@ def test_pictures_of_the_chosen_clip(scene: Path, tmp_path: Path, gl_device) -> 
     assert main([*base, "--clip", "down"]) == 1
 
 
+def test_progress_is_told_in_a_pipe_and_a_stop_says_what_is_there(
+    scene: Path, tmp_path: Path, gl_device, capsys, monkeypatch
+) -> None:
+    base = ["render", str(scene), "--out", str(tmp_path / "q.png"), "--size", "16x16", "--frames", "0:4"]
+    assert main(base) == 0
+    lines = [line.split()[0] for line in capsys.readouterr().err.splitlines() if " %" in line]
+    assert lines == ["1/4", "2/4", "3/4", "4/4"]
+    written = []
+
+    def stop(runtime, view, out, **options):
+        if len(written) == 2:
+            raise KeyboardInterrupt
+        written.append(out)
+        return whole(runtime, view, out, **options)
+
+    whole = render._write
+    monkeypatch.setattr(render, "_write", stop)
+    assert main(base) == 130
+    assert "2 of 4 pictures were written" in capsys.readouterr().err
+
+
 def horizontal(picture: np.ndarray) -> float:
     """Where, in pixels from the left, what stands out of the background lies on average."""
     image = picture[:, :, :3].astype(float)

@@ -13,6 +13,9 @@ from editor.animating.editing import AnimationEditor
 from editor.animating.operations import keys_now
 from editor.builtin_operations import builtin_operations
 from editor.console import Console
+from editor.panels.blend_space import make_blend
+from editor.panels.bone_masks import tree_order
+from editor.panels.timeline_pages import shown_clip
 from editor.saving import save_document
 from engine.assets.animation_toml import parse_animation
 from engine.core.errors import FormatError, InputError
@@ -336,3 +339,80 @@ def test_the_journal_brings_every_edit_back(editor: AnimationEditor, tmp_path: P
     assert other.text == editor.text
     assert other.session.document.runtime.drive == "clips"
     other.session.close()
+
+
+def test_keys_are_shown_where_their_block_plays_them(editor: AnimationEditor) -> None:
+    editor.create()
+    editor.set_block(0, 0, start=0.5, length=2.0, offset=0.25, speed=2.0)
+    session = editor.session
+    session.animating.track, session.animating.block = 0, 0
+    shown = shown_clip(session)
+    assert shown is not None
+    assert shown.span == (0.5, 2.5)
+    # walk takes 1 s: the key at 0.5 s is met first at 0.5 + (0.5 - 0.25) / 2, then every half second
+    places, which = shown.places(np.array([0.5]))
+    np.testing.assert_allclose(places, [0.625, 1.125, 1.625, 2.125])
+    assert which.tolist() == [0] * 4
+    np.testing.assert_allclose(shown.clip_times(places), 0.5)
+
+
+def test_blocks_that_play_together_mix_by_their_weights(editor: AnimationEditor) -> None:
+    """Walk's leg is at 0.6 rad at a quarter, run's at 1.2 at 0.15 s: a third and two thirds of them."""
+    editor.create()
+    editor.add_block("run", 0, start=0.0, length=1.0)
+    editor.set_block(0, 1, offset=-0.1)
+    editor.session.seek(0.25)
+    for first, second in ((1.0, 0.5), (0.5, 1.0), (1.0, 0.0)):
+        editor.set_block(0, 0, weight=first)
+        editor.set_block(0, 1, weight=second)
+        expected = (0.6 * first + 1.2 * second) / (first + second)
+        assert _angle(editor, "leg") == pytest.approx(expected, abs=0.02)
+
+
+def test_a_blend_space_over_two_parameters_is_one_entry_and_stays_while_shown(editor: AnimationEditor) -> None:
+    editor.create()
+    count = len(_history(editor))
+    make_blend(editor, ["walk", "run", "wave"], 2)
+    assert len(_history(editor)) <= count + 2, "the space and what drives"
+    assert [s.at for s in editor.model.blends["blend"].samples] == [[0.0, 0.0], [0.0, 1.0], [0.0, -1.0]]
+    with pytest.raises(InputError, match="shown by blend"):
+        editor.remove_blend("blend")
+    editor.add_sample("blend", "walk", [1.0, 0.0])
+    editor.set_sample("blend", 3, "run")
+    assert editor.model.blends["blend"].samples[3].clip == "run"
+    editor.remove_sample("blend", 3)
+    editor.session.undo()
+    assert len(editor.model.blends["blend"].samples) == 4
+
+
+def test_layers_states_and_parameters_are_changed_and_taken_back(editor: AnimationEditor) -> None:
+    editor.create()
+    editor.add_state("walking", "walk")
+    editor.add_param("armed", "bool", False)
+    editor.add_mask("upper")
+    editor.mask_subtree("upper", "arm")
+    editor.mask_subtree("upper", "leg", 0.5)
+    editor.mask_subtree("upper", "arm", 0.25, 1)
+    assert [s.node for s in editor.model.masks["upper"].subtrees] == ["arm", "leg"], "a changed subtree keeps its place"
+    editor.add_layer("wave", name="draw")
+    before = editor.text
+    editor.set_layer(0, mask="upper", mode="additive", reference="", weight="armed", clip="run")
+    layer = editor.model.layers[0]
+    assert (layer.mask, layer.mode, layer.reference, layer.weight, layer.clip) == (
+        "upper", "additive", "", "armed", "run",
+    )  # fmt: skip
+    with pytest.raises(FormatError, match="armed"):
+        editor.remove_param("armed")
+    editor.session.undo()
+    assert editor.text == before
+    editor.set_state("walking", clip="wave", mode="once")
+    assert (editor.model.states["walking"].clip, editor.model.states["walking"].mode) == ("wave", "once")
+    editor.set_default("armed", True)
+    editor.remove_layer(0)
+    editor.remove_param("armed")
+    assert editor.model.layers == []
+    assert editor.model.params == {}
+
+
+def test_bones_are_listed_as_a_tree_is_read() -> None:
+    assert tree_order([-1, 0, 0, 1, -1, 3, 2]) == [0, 1, 3, 5, 2, 6, 4]

@@ -14,6 +14,8 @@ from editor.commands import structure
 from editor.saving import save_document
 from editor.session import Session
 from engine.app.runtime import Runtime
+from engine.assets.clip_nodes import spread
+from engine.assets.lanim import read_lanim
 from engine.gpu import open_device
 
 BONES = ("hips", "spine", "arm", "hand", "leg")
@@ -97,6 +99,89 @@ def test_a_saved_copy_plays_when_opened_again(session: Session, tmp_path: Path) 
     assert len(heads) == 2
     for head in heads:
         assert _pose(again, head) == pytest.approx(expected, abs=1e-12)
+    again.close()
+
+
+def _spinner(session: Session) -> tuple[int, int]:
+    """The hips, which the clips turn and carry, and a copy of them that was put aside in the midst of the clip."""
+    document = session.document
+    document.runtime.play("walk")
+    session.seek(0.3)
+    hips = document.runtime.scene.nodes.name.index("hips")
+    structure.duplicate(document, (hips,))
+    (copy,) = document.selection
+    nodes = document.runtime.scene.nodes
+    document.edit("nodes", "translation", (copy,), (tuple((nodes.translation[copy] + [2.0, 0.0, 0.0]).tolist()),))
+    return hips, copy
+
+
+def _aside(runtime: Runtime, hips: int, copy: int) -> list[float]:
+    nodes = runtime.scene.nodes
+    assert nodes.rotation[copy] == pytest.approx(nodes.rotation[hips], abs=1e-12)
+    return (nodes.translation[copy] - nodes.translation[hips]).tolist()
+
+
+def test_a_copy_of_what_clips_move_itself_moves_about_its_own_place(session: Session) -> None:
+    hips, copy = _spinner(session)
+    runtime = session.document.runtime
+    turned = [runtime.scene.nodes.rotation[hips].copy()]
+    for time in (0.3, 0.55, 0.9):
+        session.seek(time)
+        assert _aside(runtime, hips, copy) == pytest.approx([2.0, 0.0, 0.0], abs=1e-12)
+        turned.append(runtime.scene.nodes.rotation[copy].copy())
+    assert np.ptp(turned, axis=0).max() > 0.05, "nothing turns, so the test proves nothing"
+    # moved by hand again while time stands at 0.9
+    at = runtime.scene.nodes.translation[copy] + [0.0, 0.0, 5.0]
+    session.document.edit("nodes", "translation", (copy,), (tuple(at.tolist()),))
+    session.seek(0.2)
+    assert _aside(runtime, hips, copy) == pytest.approx([2.0, 0.0, 5.0], abs=1e-12)
+    runtime.play()  # at rest
+    runtime.update(0.25)
+    assert _aside(runtime, hips, copy) == pytest.approx([2.0, 0.0, 5.0], abs=1e-12)
+
+
+def test_its_own_place_is_what_is_saved_and_exported(session: Session, tmp_path: Path) -> None:
+    _spinner(session)
+    document = session.document
+    session.seek(0.55)
+    save_document(document, tmp_path / "saved" / "x.scene.json")
+    again = Runtime(open_device("null"))
+    again.open(tmp_path / "saved" / "x.scene.json")
+    again.play("walk")
+    both = [row for row, name in enumerate(again.scene.nodes.name) if name.startswith("hips")]
+    assert len(both) == 2
+    for time in (0.1, 0.7):
+        again.update(time)
+        assert _aside(again, *both) == pytest.approx([2.0, 0.0, 0.0], abs=1e-6)
+    (clip,) = (read_lanim(tmp_path / "saved" / n) for n in again.asset.clips if "walk" in n)
+    again.close()
+    ways = {c.node: c.values for c in spread(clip, again.asset.nodes).channels if c.path == "translation"}
+    nodes = [i for i, node in enumerate(again.asset.nodes) if node.name.startswith("hips")]
+    assert ways[nodes[1]] - ways[nodes[0]] == pytest.approx(np.tile([2.0, 0.0, 0.0], (2, 1)), abs=1e-6)
+
+
+def test_a_copy_of_the_mesh_alone_shares_the_joints_and_stands_where_it_is_put(
+    session: Session, tmp_path: Path
+) -> None:
+    document = session.document
+    scene = document.runtime.scene
+    skin = scene.nodes.name.index("skin")
+    structure.duplicate(document, (skin,))
+    (copy,) = document.selection
+    assert scene.skins.palette(np.zeros(3))[5:] == pytest.approx(scene.skins.palette(np.zeros(3))[:5])
+    document.edit("nodes", "translation", (copy,), ((0.0, 0.0, 4.0),))
+    document.runtime.play("run")
+    save_document(document, tmp_path / "saved" / "x.scene.json")
+    again = Runtime(open_device("null"))
+    again.open(tmp_path / "saved" / "x.scene.json")
+    again.play("run")
+    for runtime in (document.runtime, again):
+        runtime.update(0.15)
+        palette = runtime.scene.skins.palette(np.zeros(3))
+        assert not np.allclose(palette[:5, :, :3], np.eye(3), atol=1e-3)
+        off = palette[5:] - palette[:5]
+        assert off[:, :, 3] == pytest.approx(np.tile([0.0, 0.0, 4.0], (5, 1)), abs=1e-6)
+        assert off[:, :, :3] == pytest.approx(np.zeros((5, 3, 3)), abs=1e-6)
     again.close()
 
 

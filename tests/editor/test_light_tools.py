@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import math
 from pathlib import Path
 
@@ -17,8 +18,10 @@ from editor.saving import _carry_profiles, edited_scene
 from engine.assets.scene import LightAsset, NodeAsset, SceneAsset
 from engine.core.errors import InputError
 from engine.math.photometry import UNITS
+from engine.scene.arrays import ArraySettings, repeat_node
 from engine.scene.lights import LIGHT_TYPES
 from engine.scene.scatter import ScatterSettings
+from engine.scene.scene import Scene
 
 CAMERA = OrbitCamera((0.0, 0.0, 0.0), 0.3, -0.2, distance=8.0)
 
@@ -44,12 +47,16 @@ def test_scattering_is_one_entry_that_undo_takes_back_bit_by_bit(monkeypatch: py
     assert sum(n.light is not None for n in edited_scene(doc.runtime, doc.overrides).nodes) == 51
 
 
+def grid(x: int, y: int, z: int, **values: object) -> ArraySettings:
+    return ArraySettings(shape="grid", count_x=x, count_y=y, count_z=z, **values)
+
+
 def test_an_array_repeats_what_is_below_and_steps_in_the_world() -> None:
     doc = document()
     before = state(doc)
     scene = doc.runtime.scene
     start = scene.nodes.world_matrix(3)[:3, 3].copy()
-    lights.array(doc, (3,), (3, 1, 2), (0.5, 0.0, -2.0))
+    lights.array(doc, (3,), grid(3, 1, 2, step=(0.5, 0.0, -2.0)))
     assert len(doc.selection) == 6
     places = np.array([scene.nodes.world_matrix(row)[:3, 3] for row in doc.selection]) - start
     wanted = [[0.5 * i, 0.0, -2.0 * k] for i in range(3) for k in range(2)]
@@ -58,8 +65,8 @@ def test_an_array_repeats_what_is_below_and_steps_in_the_world() -> None:
     doc.history.undo()
     assert state(doc) == before
     with pytest.raises(InputError, match="an array of"):
-        lights.array(doc, (1,), (1000, 10, 10), (1, 1, 1))
-    lights.array(doc, (3,), (1, 1, 1), (1, 1, 1))
+        lights.array(doc, (1,), grid(1000, 100, 1))
+    lights.array(doc, (3,), grid(1, 1, 1))
     assert len(doc.history.entries) == 0, "one of one is nothing new"
 
 
@@ -67,7 +74,7 @@ def test_a_skewed_node_in_an_array_keeps_its_shear() -> None:
     doc = document()
     nodes = doc.runtime.scene.nodes
     linear = nodes.world_matrix(5)[:3, :3].copy()
-    lights.array(doc, (5,), (2, 1, 1), (4.0, 0.0, 0.0))
+    lights.array(doc, (5,), grid(2, 1, 1, step=(4.0, 0.0, 0.0)))
     new = doc.selection[1]
     assert np.array_equal(nodes.world_matrix(new)[:3, :3], linear)
     assert nodes.world_matrix(new)[0, 3] == pytest.approx(nodes.world_matrix(5)[0, 3] + 4.0)
@@ -116,3 +123,29 @@ def test_profiles_from_elsewhere_are_carried_along(tmp_path: Path) -> None:
     asset = SceneAsset("s", nodes)
     assert _carry_profiles(asset, tmp_path) == [tmp_path / "lamp.ies"]
     assert [n.light.profile for n in asset.nodes if n.light] == ["lamp.ies", "own.ies", ""]
+
+
+def test_a_ring_is_the_same_from_both_doors(tmp_path: Path) -> None:
+    settings = ArraySettings(shape="ring", count=5, radius=2.0, arc=180.0, axis="z")
+    doc = document()
+    lights.array(doc, (3,), settings)
+    places = [doc.runtime.scene.nodes.world_matrix(row) for row in doc.selection]
+    asset = copy.deepcopy(document().runtime.asset)
+    assert repeat_node(asset, 3, settings) == 4
+    scene = Scene.from_asset(asset)
+    others = [scene.nodes.world_matrix(int(scene.row_of_node[i])) for i in (3, *range(8, 12))]
+    assert np.allclose(places, others, atol=1e-9)
+    names = [doc.runtime.scene.nodes.name[row] for row in doc.selection]
+    assert (
+        names == [asset.nodes[i].name for i in (3, *range(8, 12))] == ["lamp", "lamp 2", "lamp 3", "lamp 4", "lamp 5"]
+    )
+    middle = (places[0][:3, 3] + places[4][:3, 3]) / 2.0
+    assert np.allclose(np.linalg.norm(np.array(places)[:, :3, 3] - middle, axis=1), 2.0)
+
+
+def test_a_box_of_ones_own(monkeypatch: pytest.MonkeyPatch) -> None:
+    doc = document()
+    monkeypatch.setattr(type(doc), "bounds", lambda self, rows=(): (np.zeros(3), np.ones(3)))
+    lights.scatter(doc, ScatterSettings(count=9, box=True, box_low=(5, 5, 5), box_high=(4, 5, 6)))
+    inside = doc.runtime.scene.nodes.world[doc.children_of(doc.selection[0]), :, 3]
+    assert ((inside >= (4, 5, 5)) & (inside <= (5, 5, 6))).all()

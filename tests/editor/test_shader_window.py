@@ -30,6 +30,13 @@ def seen(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     return {**found, "folder": folder}
 
 
+def test_a_drag_of_a_slider_is_one_entry_and_shows(seen: dict[str, Any]) -> None:
+    entries, many_edits, label = seen["dragged"]
+    assert (entries, label) == (1, "Roughness of walnut")
+    assert many_edits, "of many frames"
+    assert seen["drag_shows"]
+
+
 def test_the_effect_of_the_selected_material_opens(seen: dict[str, Any]) -> None:
     assert seen["opened"] == ["surface.effect.toml", "surface.frag"]
 
@@ -66,7 +73,8 @@ def test_typing_is_the_texts_and_not_the_scenes(seen: dict[str, Any]) -> None:
     assert starts
     assert dirty
     same, still_dirty, revision_after = seen["typing_undone"]
-    assert same, "Ctrl+Z in the text undoes typing"
+    assert same, "one Ctrl+Z in the text undoes what was typed in one go"
+    assert seen["typing_redone"]
     assert not still_dirty
     assert revision_after == revision, "and nothing of the scene"
     written, text_dirty, scene_dirty = seen["saved_by_key"]
@@ -77,20 +85,43 @@ def test_typing_is_the_texts_and_not_the_scenes(seen: dict[str, Any]) -> None:
 
 def test_completion_by_keys(seen: dict[str, Any]) -> None:
     assert seen["completion_open"]
+    assert seen["narrowed"], "what is typed while the list is open goes into the text"
     assert seen["completed"]
+
+
+def test_replacing_all_is_one_step_of_the_texts_undo(seen: dict[str, Any]) -> None:
+    assert seen["replaced"]
+    assert seen["replacing_undone"]
 
 
 def test_changes_on_both_sides_overwrite_nothing(seen: dict[str, Any]) -> None:
     assert seen["conflict"]
     assert seen["theirs_kept"], "saving in a conflict wrote the file"
+    assert seen["still_a_conflict"], "looking at the difference decides nothing"
     assert seen["took"] == [True, False, False]
 
 
 def test_undoing_everything_gives_the_first_picture(seen: dict[str, Any]) -> None:
     assert seen["undone"]
+    assert seen["clean"]
 
 
-def test_the_window_shows_the_shader_editor(seen: dict[str, Any]) -> None:
-    picture = load_png(seen["folder"] / "window.png")
-    height, width = picture.shape[:2]
-    assert not is_blank(picture[height // 6 : height // 2, width // 2 : int(width * 0.74)])
+def test_what_never_compiled_is_magenta_and_says_why(seen: dict[str, Any]) -> None:
+    magenta, badge, place = seen["never"]
+    assert magenta
+    assert badge.startswith("drawn in magenta: bad.frag:2:")
+    assert place.startswith("bad.frag:2:")
+
+
+def test_there_is_a_picture_of_the_window_after_each_step(seen: dict[str, Any]) -> None:
+    mistakes = [f"{state}-{name.replace(' ', '-')}" for name in EXPECTED for state in ("broken", "mended")]
+    steps = ["opened", "slider-dragged", "text-opened", "text-edited", *mistakes, "completion", "find-and-replace",
+             "conflict", "difference-side-by-side", "difference-unified", "all-undone", "never-compiled"]  # fmt: skip
+    assert seen["shots"] == [f"{number:02d}-{step}.png" for number, step in enumerate(steps, 1)]
+    pictures = [load_png(seen["folder"] / name) for name in seen["shots"]]
+    height, width = pictures[0].shape[:2]
+    viewport = (slice(height // 5, height * 3 // 5), slice(width // 5, width * 2 // 5))
+    for name, picture in zip(seen["shots"], pictures, strict=True):
+        assert not is_blank(picture[viewport]), name
+    text = pictures[2][height // 6 : height // 2, width // 2 : int(width * 0.74)]
+    assert not is_blank(text), "the text shows beside the picture"

@@ -16,38 +16,82 @@ SOURCE = ShaderSource(
 )
 
 
-@pytest.mark.parametrize(
-    ("log", "entry"),
-    [
-        ("0:3(10): error: `albdo' undeclared", LogEntry("error", 3, 10, "`albdo' undeclared")),
-        ("0:3(10): warning: `x' used uninitialized", LogEntry("warning", 3, 10, "`x' used uninitialized")),
-        (
-            '0(3) : error C1008: undefined variable "albdo"',
-            LogEntry("error", 3, 0, 'C1008: undefined variable "albdo"'),
-        ),
-        ("0(3) : warning C7050: might be used", LogEntry("warning", 3, 0, "C7050: might be used")),
-        ("ERROR: 0:3: 'albdo' : undeclared identifier", LogEntry("error", 3, 0, "'albdo' : undeclared identifier")),
-    ],
+#: driver -> (what it says of an unknown name, of a missing `;`, of a preprocessor mistake, a warning beside them)
+LOGS = {
+    "Mesa": (
+        "0:3(10): error: `albdo' undeclared\n0:3(10): error: operands to arithmetic operators must be numeric\n",
+        "0:4(1): error: syntax error, unexpected '}', expecting ',' or ';'\n",
+        "0:3(2): preprocessor error: syntax error, unexpected HASH_TOKEN\n",
+        "0:2(5): warning: `x' used uninitialized\n",
+    ),
+    "NVIDIA": (
+        '0(3) : error C1503: undefined variable "albdo"\n0(3) : error C1503: undefined variable "albdo"\n',
+        "0(4) : error C0000: syntax error, unexpected '}', expecting ',' or ';' at token \"}\"\n",
+        "0(3) : error C0105: Syntax error in #if\n",
+        "0(2) : warning C7050: \"x\" might be used before being initialized\n",
+    ),
+    "Intel": (
+        "ERROR: 0:3: 'albdo' : undeclared identifier \nERROR: 0:3: 'assign' :  cannot convert from 'float' to "
+        "'3-component vector of float'\nERROR: 2 compilation errors.  No code generated.\n\n",
+        "ERROR: 0:4: '}' : syntax error syntax error\n",
+        "ERROR: 0:3: '' : syntax error: #if\n",
+        "WARNING: 0:2: 'x' : used before it is set\n",
+    ),
+    "AMD": (
+        "Fragment shader failed to compile with the following errors:\n"
+        "ERROR: 0:3: error(#143) Undeclared identifier: albdo\n"
+        "ERROR: 0:3: error(#216) Vector field selection out of range \"xyz\"\n"
+        "ERROR: error(#273) 2 compilation errors.  No code generated\n",
+        "ERROR: 0:4: error(#132) Syntax error: \"}\" parse error\n",
+        "ERROR: 0:3: error(#76) Syntax error: unexpected tokens following #if\n",
+        "WARNING: 0:2: warning(#402) Implicit truncation of vector\n",
+    ),
+    "ANGLE": (
+        "ERROR: 0:3: 'albdo' : undeclared identifier\nERROR: 0:3: '' : compilation terminated\n",
+        "ERROR: 0:4: '}' : syntax error\n",
+        "ERROR: 0:3: 'if' : unexpected token after conditional expression\n",
+        "WARNING: 0:2: 'x' : variable used before it was initialized\n",
+    ),
+    "Apple": (
+        "ERROR: 0:3: Use of undeclared identifier 'albdo'\n",
+        "ERROR: 0:4: '}' : syntax error: syntax error\n",
+        "ERROR: 0:3: '' : syntax error: #if\n",
+        "WARNING: 0:2: Overflow in implicit constant conversion\n",
+    ),
+}  # fmt: skip
+KNOWN = ShaderSource(
+    "fragment",
+    SOURCE.text.replace("void main() {", "void main() { vec3 albedo = vec3(1.0), other = albedo;"),
+    SOURCE.lines,
 )
-def test_the_three_forms(log: str, entry: LogEntry) -> None:
-    assert parse_log(f"Fragment shader failed to compile with the following errors:\n{log}\n\0") == [entry]
 
 
-@pytest.mark.parametrize(
-    "log",
-    [
-        "0:3(10): error: `albdo' undeclared\n0:9(1): error: no such line",
-        "0:3(10): error: no name is told",
-        '0(3) : error C1008: undefined variable "albdo"',
-        "ERROR: 0:3: 'albdo' : undeclared identifier\nERROR: 1 compilation errors.  No code generated.",
-    ],
-)
-def test_error_has_file_line_column_source_and_caret(log: str) -> None:
-    text = str(compile_error(SOURCE, log, "surface"))
+@pytest.mark.parametrize("driver", LOGS)
+def test_an_unknown_name_is_found_under_the_driver_s_words(driver: str) -> None:
+    error = compile_error(KNOWN, LOGS[driver][3] + LOGS[driver][0] + "\0", "surface")
+    text = str(error)
     assert text.startswith("lib/surface.glsl:41:10: ")
     lines = text.splitlines()
     assert lines[1] == "     color = albdo * 2.0;"
     assert lines[2].index("^") == lines[1].index("albdo")
+    assert "did you mean 'albedo'?" in text
+    assert "generated" not in text
+    assert "terminated" not in text
+    assert text.count("albdo") - text.count("= albdo") == 1, "told once"
+
+
+@pytest.mark.parametrize("driver", LOGS)
+def test_the_line_of_other_mistakes(driver: str) -> None:
+    name, syntax, directive, warning = LOGS[driver]
+    assert str(compile_error(SOURCE, syntax).where).startswith("lib/surface.glsl:42")
+    assert str(compile_error(SOURCE, directive).where).startswith("lib/surface.glsl:41")
+    assert [(e.kind, e.line) for e in parse_log(warning)] == [("warning", 2)]
+    assert [(e.kind, e.line) for e in parse_log(warning + name)][:2] == [("warning", 2), ("error", 3)]
+
+
+def test_a_line_that_the_driver_does_not_know() -> None:
+    assert parse_log("ERROR: 0:? : '' : syntax error: #line\n") == [LogEntry("error", 0, 0, "'' : syntax error: #line")]
+    assert "syntax error: #line" in str(compile_error(SOURCE, "ERROR: 0:? : '' : syntax error: #line\n"))
 
 
 def test_warnings_alone_and_unknown_forms_are_shown_whole() -> None:

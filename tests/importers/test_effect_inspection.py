@@ -58,3 +58,26 @@ def test_a_scene_tells_which_variants_it_uses(tmp_path: Path, gl_device: object)
     assert forward[0]["compile_ms"] > 0.0
     assert forward[0]["error"] == ""
     assert "normal_map" in forward[0]["absent"]
+
+
+@pytest.mark.gl
+def test_features_that_change_no_pixel_of_the_scene(
+    tmp_path: Path, gl_device: object, capsys: pytest.CaptureFixture[str]
+) -> None:
+    sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "editor" / "support"))
+    from small_scene import write_small_scene
+
+    from engine.assets.material_toml import update_material
+
+    scene = write_small_scene(tmp_path)
+    update_material(tmp_path / "boxes.red.material.toml", {"features": ["unlit"]})
+    described = describe_effect(SURFACE, scene=scene, pixels=True)
+    unlit = next(item for item in described["feature_pixels"] if item["feature"] == "unlit")
+    assert unlit["verdict"] == "changes pixels"
+    assert unlit["changed"] > 0
+    assert described["never_change_a_pixel"] == []
+    with pytest.raises(UsageError, match="--pixels needs a scene"):
+        describe_effect(SURFACE, pixels=True)
+    assert main(["inspect", str(SURFACE), "--scene", str(scene), "--pixels"]) == 0
+    out = capsys.readouterr().out
+    assert "feature unlit, verdict changes pixels" in out

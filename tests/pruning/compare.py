@@ -34,6 +34,7 @@ def take(stage: Stage, spec: SceneSpec, folder: Path, *, force_all: bool = False
 def shoot(stage: Stage, spec: SceneSpec, camera: Any, *, force_all: bool) -> Pictures:
     settings = {
         "samples": spec.samples, "view": spec.view, "shadows": spec.shadows, "shadow_filter": spec.shadow_filter,
+        "ambient_occlusion": spec.ambient_occlusion,
         "shadow_size": 64, "shadow_cascades": 2, "force_all": force_all,
         "path": spec.path, "alpha_to_coverage": spec.cutouts_smooth,
     }  # fmt: skip

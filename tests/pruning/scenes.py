@@ -18,6 +18,7 @@ from engine.assets.texture import TextureAsset
 from engine.math import quat
 from engine.render.camera import Camera
 from engine.render.lighting import PATHS
+from engine.render.occlusion import METHODS
 from engine.render.settings import DEBUG_VIEWS, TONE_MAPS
 from engine.render.shadows.quality import FILTERS
 from tests.support.stage import Stage, front_camera
@@ -49,6 +50,7 @@ class Body:
     roughness: float = 0.5
     moved_uv: bool = False
     mirrored: bool = False
+    effect: str = "surface"
 
 
 @dataclass(frozen=True)
@@ -68,6 +70,7 @@ class SceneSpec:
     samples: int = 1
     shadows: bool = True
     shadow_filter: str = "pcf"
+    ambient_occlusion: str = "off"
     path: str = "auto"
     cutouts_smooth: bool = True
     looks_away: bool = False
@@ -106,6 +109,7 @@ specs = st.builds(
     samples=st.sampled_from([1, 4]),
     shadows=st.sampled_from([True, True, True, False]),
     shadow_filter=st.sampled_from(["pcf", "pcf", *FILTERS]),
+    ambient_occlusion=st.sampled_from(["off", "off", "off", *METHODS]),
     path=st.sampled_from(["auto", *PATHS]),
     looks_away=st.sampled_from([False] * 7 + [True]),
     far_away=st.sampled_from([False] * 7 + [True]),
@@ -137,7 +141,7 @@ def material_of(body: Body) -> MaterialAsset:
     moved: dict[str, Any] = {"offset": (0.2, 0.1), "rotation": 0.5, "scale": (2.0, 1.5)} if body.moved_uv else {}
     alpha = 0.5 if body.queue in ("transparent", "overlay") else 1.0
     return MaterialAsset(
-        "random", queue=body.queue, features=list(body.features),
+        "random", effect=body.effect, queue=body.queue, features=list(body.features),
         params={
             "base_color": (0.8, 0.6, 0.4, alpha), "metallic": body.metallic, "roughness": body.roughness,
             "emissive": (0.3, 0.6, 0.9), "emissive_strength": body.emissive,

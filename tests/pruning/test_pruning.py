@@ -30,6 +30,10 @@ LEAVES = replace(LIT, bodies=(Body("card", 1, "alpha_test", ("base_color_map",))
 TOGGLES: dict[str, tuple[SceneSpec, SceneSpec, tuple[str, ...]]] = {
     "opaque": (replace(LIT, bodies=()), LIT, ("sun_shadows",)),
     "transparent": (LIT, replace(LIT, bodies=(*LIT.bodies, Body("card", 1, "transparent"))), ()),
+    "transmission": (
+        replace(LIT, bodies=(*LIT.bodies, Body("card", 1, "transparent"))),
+        replace(LIT, bodies=(*LIT.bodies, Body("card", 1, "transparent", (), ("transmission",), effect="layered"))), (),
+    ),
     "suns": (BARE, LIT, ("sun_shadows",)),
     "local_lights": (BARE, replace(BARE, lights=("point",)), ("lighting",)),
     "environment": (BARE, replace(BARE, environment="uniform"), ()),
@@ -44,12 +48,17 @@ TOGGLES: dict[str, tuple[SceneSpec, SceneSpec, tuple[str, ...]]] = {
     "debug_view": (LIT, replace(LIT, view="normal"), ()),
     "sun_shadows": (replace(SHADOWED, shadows=False), SHADOWED, ()),
     "shadow_quality": (SHADOWED, replace(SHADOWED, shadow_filter="none"), ()),
+    "ambient_occlusion": (
+        replace(SHADOWED, environment="uniform"),
+        replace(SHADOWED, environment="uniform", ambient_occlusion="gtao"), (),
+    ),
     "area_lights": (replace(BARE, lights=("point",)), replace(BARE, lights=("disk",)), ()),
     "light_profiles": (replace(BARE, lights=("point",)), replace(BARE, lights=("profile",)), ()),
 }  # fmt: skip
 #: facts that are not of the scene: what they must do instead is tested below; of `lighting`, its paths and G-buffer, by
-#: test_path_agreement.py and tests/stability/test_paths.py
-NOT_OF_THE_SCENE = {"hdr_output", "force_all", "lighting"}
+#: test_path_agreement.py and tests/stability/test_paths.py; of `quality` and `stencil`, what an effect says of
+#: them, in tests/render/test_effect_stages.py and test_effect_passes.py
+NOT_OF_THE_SCENE = {"hdr_output", "force_all", "quality", "stencil", "lighting"}
 
 
 @given(spec=specs)

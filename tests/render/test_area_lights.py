@@ -215,5 +215,27 @@ def test_a_profile_that_cannot_be_read_is_a_finding(matt: Stage, tmp_path: Path)
     assert "no such file" in str(next(iter(matt.runtime.renderer.light_findings)))
 
 
+def test_a_profile_is_read_again_and_keeps_its_last_good_shape(matt: Stage, tmp_path: Path) -> None:
+    file = tmp_path / "lamp.ies"
+    matt.lamp(LightAsset("point", intensity=2.0, profile=str(file)), (0, 0, 0.25), FACING)
+    reload = matt.runtime.hot_reload
+    even = middle(matt)
+    pictures = []
+    for candela in ("100 200 0", "100 x00 0", "100 50 0"):  # there at last, broken, good again
+        _profile(tmp_path, "0 45 90", "0", candela)
+        assert reload.stale()
+        taken = reload.apply().names
+        pictures.append(middle(matt))
+        assert not reload.stale()
+        assert taken == ([] if "x" in candela else ["lamp.ies"])
+        (error,) = [str(e) for e in reload.problems] or [""]
+        assert ("lamp.ies:7: 'x00' is no number" in error) == ("x" in candela), error
+        assert [state for state, _ in reload.standing()] == (["previous"] if "x" in candela else [])
+    half, kept, whole = pictures
+    assert half == pytest.approx(0.5 * even, rel=2e-3)
+    assert np.array_equal(kept, half)
+    assert whole == pytest.approx(even, rel=2e-3)
+
+
 def _turned(axis: str, angle: float) -> tuple[float, ...]:
     return tuple(quat.from_axis_angle([float(axis == a) for a in "xyz"], angle).tolist())

@@ -15,6 +15,8 @@ from engine.assets.scene import LightAsset
 from engine.gpu.types import Device
 from engine.render import light_lists
 from engine.render.camera import Camera
+from engine.render.light_groups import group_rows
+from engine.render.light_rows import LightBounds
 from engine.render.lighting import PATHS, loop_steps
 from engine.render.paths.choice import choose
 from engine.render.paths.cost import CostModel
@@ -65,8 +67,7 @@ def many(stage: Stage, positions: NDArray[np.float64], light: LightAsset) -> Non
     nodes = scene.nodes.add_many(
         ["lamp"] * count, np.full(count, -1), positions, np.tile([0.0, 0.0, 0.0, 1.0], (count, 1)), np.ones((count, 3))
     )
-    for node in nodes.tolist():
-        scene.lights.add(node, light, scene.findings)
+    scene.lights.add_many(nodes, light)
     stage.runtime.update()
 
 
@@ -108,6 +109,14 @@ def test_forward_plus_with_many_samples(stage: Stage, samples: int) -> None:
     agree(stage, paths=("forward-plus",), samples=samples)
 
 
+def test_one_light(stage: Stage) -> None:
+    room(stage, glass=True)
+    lamps(stage, 2)
+    stage.runtime.scene.lights.remove([1])
+    stage.runtime.update()
+    agree(stage, knobs=KNOBS[:2])
+
+
 @pytest.mark.parametrize("reach", [1e-6, 1e6, 1e9, 0.0])
 def test_odd_ranges(stage: Stage, reach: float) -> None:
     room(stage)
@@ -120,6 +129,20 @@ def test_orthographic_view(stage: Stage) -> None:
     lamps(stage, 30)
     camera = Camera(CAMERA.world_from_camera, znear=0.05, zfar=50.0, ymag=0.9)
     agree(stage, camera=camera)
+
+
+def test_orthographic_view_without_end(stage: Stage) -> None:
+    """A far plane at 10^6 m, as a file gives that names none: lamps a few centimetres across light what they do in a
+    view that ends behind the scene."""
+    room(stage)
+    places = np.random.default_rng(5).uniform((-0.8, -0.5, -0.8), (0.8, -0.45, 0.8), (60, 3))
+    many(stage, places, LightAsset("point", intensity=0.02, range=0.1))
+    pose = CAMERA.world_from_camera
+    endless = agree(stage, camera=Camera(pose, znear=0.05, zfar=1e6, ymag=0.9))
+    near = stage.hdr(SIZE, Camera(pose, znear=0.05, zfar=20.0, ymag=0.9), path="deferred")
+    apart = np.abs(endless - near).max(axis=-1)
+    assert (apart > 1e-3 * near.max()).mean() < 0.002  # edges of triangles may fall on the other side of a pixel
+    assert near.max() > 0.5
 
 
 def test_far_from_the_origin_of_the_world(stage: Stage) -> None:
@@ -159,21 +182,41 @@ def test_order_of_lights_changes_no_bit(stage: Stage) -> None:
 # --- lists ---
 
 
-def test_short_of_room_is_right_and_reported(stage: Stage, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The list's buffer starts with room for next to nothing: all lights are meant, then it grows."""
-    monkeypatch.setattr(light_lists, "FIRST_ROOM", 1)
+def overflows(stage: Stage, frames: int) -> list[int]:
+    """Lists without room, frame by frame; each frame is right."""
     room(stage, glass=True)
     lamps(stage, 40)
     truth = stage.hdr(SIZE, CAMERA, path="forward").copy()
-    overflows = []
-    for _ in range(6):
+    found = []
+    for _ in range(frames):
         frame = stage.runtime.render(stage.view(SIZE, CAMERA, path="forward-plus"), hdr=True)
         assert frame.hdr is not None
         assert np.array_equal(frame.hdr.read(), truth)
-        overflows.append(stage.runtime.renderer.light_lists.read(wait=True).overflow)
-    assert overflows[0] > 0
-    assert overflows[-1] == 0
-    assert frame.stats.counters["light_list_bytes"] > 0
+        found.append(stage.runtime.renderer.light_lists.read(wait=True).overflow)
+        assert frame.stats.counters["light_list_bytes"] > 0
+    return found
+
+
+def test_room_is_made_before_lists_are_written(stage: Stage, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(light_lists, "FIRST_ROOM", 1)
+    assert overflows(stage, 2) == [0, 0]
+
+
+def test_short_of_room_is_right_and_reported(stage: Stage, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where nobody waits for the count, the room is that for next to nothing: all lights are meant, then it grows."""
+    monkeypatch.setattr(light_lists, "FIRST_ROOM", 1)
+    monkeypatch.setattr(light_lists.LightLists, "unsure", False)
+    found = overflows(stage, 6)
+    assert found[0] > 0
+    assert found[-1] == 0
+
+
+def test_more_lists_than_memory_is_right_and_reported(stage: Stage, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(light_lists, "FIRST_ROOM", 1)
+    monkeypatch.setattr(light_lists, "MOST_BYTES", 256)
+    found = overflows(stage, 3)
+    assert found[-1] > 0
+    assert stage.runtime.renderer.light_lists.capacity == 64
 
 
 def test_very_many_lights_at_one_point(stage: Stage) -> None:
@@ -192,9 +235,12 @@ def test_very_many_lights_at_one_point(stage: Stage) -> None:
 
 def test_lights_behind_the_camera_cost_no_list(stage: Stage) -> None:
     room(stage)
-    places = np.add(np.random.default_rng(2).uniform(-1, 1, (500, 3)), (0, 0, 40))
+    places = np.add(np.random.default_rng(2).uniform(-1, 1, (100_000, 3)), (0, 0, 40))
     many(stage, places, LightAsset("point", range=2.0))
-    agree(stage, knobs=KNOBS[:1])
+    dark = stage.hdr(SIZE, CAMERA, path="forward-plus").copy()
+    agree(stage, (12, 8), knobs=KNOBS[:1])
+    for path in OTHERS:
+        assert np.array_equal(stage.hdr(SIZE, CAMERA, path=path), dark), path
     stage.hdr(SIZE, CAMERA, path="forward-plus")
     assert stage.runtime.renderer.light_lists.read(wait=True).tested == 0
 
@@ -202,6 +248,25 @@ def test_lights_behind_the_camera_cost_no_list(stage: Stage) -> None:
 def kept(stage: Stage, size: tuple[int, int] = (64, 64), **settings: Any) -> int:
     stage.hdr(size, front_camera(0.9), path="forward-plus", **settings)
     return stage.runtime.renderer.light_lists.read(wait=True).kept
+
+
+def test_groups_of_lights_hold_what_is_in_them() -> None:
+    """The box of each 32 lights, against the lights themselves; one without end makes it endless."""
+    rng = np.random.default_rng(4)
+    center, radius = rng.uniform(-50, 50, (70, 3)).astype(np.float32), rng.uniform(0, 3, 70).astype(np.float32)
+    radius[66] = np.inf
+    bounds = LightBounds(center, radius, np.zeros((70, 3), np.float32), np.full(70, -1.0, np.float32))
+    rows = group_rows(bounds)
+    assert rows.shape == (3, 2, 4)
+    for group in range(2):
+        part = slice(32 * group, 32 * group + 32)
+        low, high = (center[part] - radius[part, None]).min(axis=0), (center[part] + radius[part, None]).max(axis=0)
+        assert (rows[group, 0, :3] <= low).all()
+        assert (rows[group, 1, :3] >= high).all()
+        assert (rows[group, 1, :3] - high).max() < 1e-2
+    assert rows[2, 0, :3].max() < -1e29
+    assert np.isfinite(rows).all()
+    assert group_rows(LightBounds(center[:0], radius[:0], center[:0], radius[:0])).shape == (0, 2, 4)
 
 
 def test_sky_does_not_widen_a_tile(stage: Stage) -> None:
@@ -306,8 +371,9 @@ def test_choice_says_why() -> None:
     assert of(100_000, samples=4).path == "forward-plus"
     assert "4 samples" in of(500, samples=4).reason
     asked = of(samples=4, path="deferred")
-    assert (asked.path, asked.samples) == ("deferred", 1)
+    assert (asked.path, asked.samples) == ("forward-plus", 4)
     assert "one sample" in asked.reason
+    assert of(path="deferred").path == "deferred"
     assert of(view="normal").path == "forward"
     assert of(view="light_tiles").path == "forward-plus"
 

@@ -298,7 +298,7 @@ def test_a_new_effect_of_the_project_needs_no_python(gl_device: Device, tmp_path
         shutil.rmtree(tmp_path / "shaders")
         project.runtime.open(tmp_path / "a.scene.json")
         before = project.picture()
-        effect = 'name = "flat"\nextends = "surface"\n[technique.forward]\nfragment = "effects/flat.frag"\n'
+        effect = 'name = "flat"\nextends = "surface"\n[technique.forward]\nfragment = "effects/paper.frag"\n'
         project.write("effects/flat.effect.toml", effect)
         project.edit(MATERIAL, 'effect = "surface"', 'effect = "flat"')
         project.poll()
@@ -307,7 +307,7 @@ def test_a_new_effect_of_the_project_needs_no_python(gl_device: Device, tmp_path
         np.testing.assert_array_equal(project.picture(), before)
         code = "layout(location = 2) flat in uint v_material;\nlayout(location = 0) out vec4 o_color;\n"
         code += "void main()\n{\n    o_color = vec4(materials[v_material].base_color.rgb, 1.0);\n}\n"
-        project.write("effects/flat.frag", code)
+        project.write("effects/paper.frag", code)
         result = project.poll()
         assert result is not None
         assert project.problems == ()
@@ -342,3 +342,44 @@ def test_a_file_saved_by_rename_is_noticed(project: Project) -> None:
     other.replace(path)
     assert project.poll() is not None
     assert (project.picture() != before).any()
+
+
+def test_a_file_that_goes_and_comes_back(project: Project) -> None:
+    """As editors do that remove the old file before they write the new one, and mounts that drop out."""
+    before = project.picture()
+    for file in (FRAG, INCLUDE, EFFECT, MATERIAL, TONE):
+        path = project.folder / file
+        data = path.read_bytes()
+        path.unlink()
+        project.poll()
+        np.testing.assert_array_equal(project.picture(), before, err_msg=file)
+        path.write_bytes(data)
+        project.poll()
+        assert project.problems == (), file
+        np.testing.assert_array_equal(project.picture(), before, err_msg=file)
+
+
+def test_another_branch_is_checked_out_and_back(project: Project) -> None:
+    """Every file replaced by rename at once, with the time that git gives them: now."""
+    before = project.picture()
+    files = [path for path in (project.folder / "shaders").rglob("*") if path.suffix in SOURCES]
+    files += [project.folder / MATERIAL]
+    assert len(files) > 40
+    main = {path: path.read_bytes() for path in files}
+    for path in files:
+        note = b"# other branch\n" if path.suffix == ".toml" else b"// other branch\n"
+        _renamed_over(path, main[path].replace(LAST.encode(), b"sanitise(color.bgr), 1.0)") + note)
+    project.poll()
+    assert project.problems == ()
+    assert (project.picture() != before).any()
+    for path in files:
+        _renamed_over(path, main[path])
+    project.poll()
+    assert project.problems == ()
+    np.testing.assert_array_equal(project.picture(), before)
+
+
+def _renamed_over(path: Path, data: bytes) -> None:
+    other = path.with_name(f".{path.name}.tmp")
+    other.write_bytes(data)
+    other.replace(path)

@@ -7,7 +7,8 @@ import pytest
 
 from engine.animation.sample import ClipPlayer
 from engine.core.errors import InputError, UsageError
-from engine.scene.scatter import KINDS, ScatterSettings, drift_clip, scatter_lights
+from engine.scene.drift import drift_clip
+from engine.scene.scatter import KINDS, ScatterSettings, scatter_lights
 from engine.scene.scene import Scene
 
 LOW, HIGH = (-1.0, 0.0, 2.0), (3.0, 1.0, 4.0)
@@ -65,7 +66,7 @@ def test_a_box_of_no_size_puts_all_in_one_place() -> None:
 def test_drifting_lights_circle_and_come_back() -> None:
     scene = Scene()
     top = scatter_lights(scene, ScatterSettings(count=20), LOW, HIGH)
-    clip = drift_clip(scene, top, 0.5, 1, {row: row for row in range(len(scene.nodes))})
+    clip = drift_clip(scene, top, 0.5, 1)
     assert len(clip.channels) == 20
     player = ClipPlayer(clip, np.arange(len(scene.nodes)))
     found = []

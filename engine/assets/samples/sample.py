@@ -15,9 +15,10 @@ from engine.assets.material import MaterialAsset
 from engine.assets.material_toml import write_material
 from engine.assets.mesh import MeshAsset
 from engine.assets.records import did_you_mean
-from engine.assets.samples import SAMPLES
+from engine.assets.samples import CHARACTERS, SAMPLES
 from engine.assets.scene import MeshRef, NodeAsset, SceneAsset
 from engine.assets.scene_json import write_scene
+from engine.core.atomic import write_text
 from engine.core.errors import UsageError
 
 #: what a sample is made with if not told otherwise
@@ -32,15 +33,17 @@ class SampleScene:
     meshes: list[MeshAsset] = field(default_factory=list)
     materials: dict[str, MaterialAsset] = field(default_factory=dict)
     clips: list[ClipAsset] = field(default_factory=list)
+    #: other files beside it, by name
+    texts: dict[str, str] = field(default_factory=dict)
 
     @property
     def mesh_file(self) -> str:
         return f"{self.scene.name}.lmesh"
 
     def material(self, name: str, **params: object) -> str:
-        """Add a material of the standard surface; returns its key."""
+        """Add a material of the standard surface, no metal unless `params` say so; returns its key."""
         key = f"{self.scene.name}.{name}.material.toml"
-        self.materials[key] = MaterialAsset(name, params=dict(params))
+        self.materials[key] = MaterialAsset(name, params={"metallic": 0.0, **params})
         return key
 
     def mesh(self, mesh: MeshAsset) -> int:
@@ -59,14 +62,17 @@ class SampleScene:
 
 
 def make_sample(name: str, *, lights: int = DEFAULT_LIGHTS, seed: int = 1) -> SampleScene:
-    """Build one of SAMPLES with that many lights. Raises UsageError for an unknown name or a count out of range."""
-    if name not in SAMPLES:
+    """Build one of SAMPLES with that many lights, or one of CHARACTERS.
+
+    Raises UsageError for an unknown name or a count out of range."""
+    known = SAMPLES | CHARACTERS
+    if name not in known:
         raise UsageError(
-            f"there is no sample {name!r}", hint=did_you_mean(name, SAMPLES) or f"samples: {', '.join(SAMPLES)}"
+            f"there is no sample {name!r}", hint=did_you_mean(name, known) or f"samples: {', '.join(known)}"
         )
     if not 0 <= lights <= MOST_LIGHTS:
         raise UsageError(f"a sample of {lights} lights", hint=f"0 to {MOST_LIGHTS} lights can be had")
-    build = cast("Callable[[int, int], SampleScene]", importlib.import_module(SAMPLES[name][0]).build)
+    build = cast("Callable[[int, int], SampleScene]", importlib.import_module(known[name][0]).build)
     return build(lights, seed)
 
 
@@ -78,6 +84,8 @@ def write_sample(sample: SampleScene, folder: Path) -> Path:
         write_material(folder / key, material)
     for clip, file in zip(sample.clips, sample.scene.clips, strict=True):
         write_lanim(folder / file, clip)
+    for file, text in sample.texts.items():
+        write_text(folder / file, text)
     path = folder / f"{name}.scene.json"
     write_scene(path, sample.scene)
     return path

@@ -73,6 +73,7 @@ class Experiment:
     piece, and tells how much of 1 is done and what comes next.
     `own_scene`: it measures on the scenes that the caller names, or on the one that is open in an editor.
     `patience`: so many times the usual budget for timing, where points are many and slow.
+    `held_within`: a default that costs up to this part more than the best is as good, where a model chooses it.
     `advisory`: the default is what one scene is set to, so that a better setting is advice and no defect of ours.
     """
 
@@ -92,6 +93,7 @@ class Experiment:
     needs: frozenset[str] = frozenset()
     own_scene: bool = False
     patience: float = 1.0
+    held_within: float = 0.0
     advisory: bool = False
     timed: str = "cpu"  # cpu | gpu: all points of one experiment on one device
     noise_floor: Callable[[Context], Floor | None] | Floor | None = None

@@ -89,7 +89,7 @@ def _measure(experiment: Experiment, ctx: Context, result: Result, trials: list[
         yield Step(PREPARED + (JUDGED - PREPARED) * part, text, points)
     for part in _time_all(points, trials, experiment, ctx):
         yield Step(JUDGED + (TIMED - JUDGED) * part, "timing", points)
-    mark_front(result, experiment.problem, experiment.also)
+    mark_front(result, experiment.problem, experiment.also, experiment.held_within)
     result.noise_floor = _floor(experiment.noise_floor, ctx)
     floor = result.noise_floor.value if result.noise_floor else 0.0
     result.orders = [order_result(experiment, order, points, floor) for order in experiment.orders]

@@ -12,8 +12,8 @@ from engine.report.order import fit_order
 from engine.report.records import OrderResult, Point, Result
 
 
-def mark_front(result: Result, problem: str, also: Sequence[str]) -> None:
-    """Fronts are among points that solve the same problem."""
+def mark_front(result: Result, problem: str, also: Sequence[str], held_within: float = 0.0) -> None:
+    """Fronts are among points that solve the same problem. `held_within`: as in Experiment."""
     by_problem: dict[str, list[Point]] = {}
     for point in result.points:
         if point.ms is not None:
@@ -26,15 +26,16 @@ def mark_front(result: Result, problem: str, also: Sequence[str]) -> None:
         if default.ms is None or default.status != "ok" or not _has(default, result.default):
             continue
         timed = by_problem[str(default.knobs.get(problem, ""))]
-        beaten = next((p for p in timed if p is not default and _beats(p, default, result.metric, also)), None)
+        others = (p for p in timed if p is not default)
+        beaten = next((p for p in others if _beats(p, default, result.metric, also, held_within)), None)
         if result.default_on_front is not False:
             result.default_on_front = beaten is None
             result.beaten_by = dict(beaten.knobs) if beaten is not None else None
 
 
-def _beats(point: Point, default: Point, metric: str, also: Sequence[str]) -> bool:
+def _beats(point: Point, default: Point, metric: str, also: Sequence[str], held_within: float) -> bool:
     """Whether with 95 % confidence `point` is faster with no more error, or less wrong and no slower; in either case
-    at no more of the other costs."""
+    at no more of the other costs. Faster: by more than `held_within`."""
     if point.status != "ok" or any(point.extra[name] > default.extra[name] for name in also):
         return False
     mine, theirs = default.error[metric], point.error[metric]
@@ -43,7 +44,7 @@ def _beats(point: Point, default: Point, metric: str, also: Sequence[str]) -> bo
     ratio = ratio_interval(point.samples, default.samples)
     if clearly_less(theirs, mine):
         return ratio.high <= 1.0
-    return ratio.high < CLEARLY_LESS
+    return ratio.high < min(CLEARLY_LESS, 1.0 / (1.0 + held_within))
 
 
 def find(points: Sequence[Point], knobs: Knobs) -> Point | None:

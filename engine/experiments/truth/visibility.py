@@ -47,9 +47,12 @@ def sun_visibility(
 
 
 def ambient_occlusion(
-    rays: Rays, places: F8, normals: F8, samples: int, rng: np.random.Generator, reach: float = np.inf
-) -> F8:
+    rays: Rays, places: F8, normals: F8, samples: int, rng: np.random.Generator, reach: float = np.inf,
+    *, fades: bool = False,
+) -> F8:  # fmt: skip
     """Cosine-weighted part f8[n] of the hemisphere that `places` [n,3] see free up to `reach` metres; 1 = open.
+
+    `fades`: what stands at a distance d hides 1 - (d / reach)^2 of its direction, instead of all.
 
     The rays are cosine-distributed points of a lattice, shifted anew for each place (Cranley and Patterson 1976).
     """
@@ -64,5 +67,10 @@ def ambient_occlusion(
         d = np.einsum("nsk,nkj->nsj", local, frame).reshape(-1, 3)
         start = np.repeat(places[rows] + normals[rows] * rays.lift, samples, axis=0)
         limit = None if not np.isfinite(reach) else np.full(len(d), reach)
+        if fades:
+            distance = rays.nearest(start, d).distance
+            hidden = np.clip(1.0 - (distance / reach) ** 2, 0.0, 1.0)
+            out[rows] = 1.0 - hidden.reshape(len(rows), samples).mean(axis=1)
+            continue
         out[rows] = 1.0 - rays.blocked(start, d, limit).reshape(len(rows), samples).mean(axis=1)
     return out

@@ -4,6 +4,7 @@
     device     GlDevice: creates everything below, owns caches and the queue of objects to free
     state      StateCache: what is bound now, so that a pass only issues what differs
     buffer, texture, sampler, shader, pipeline, vertex_array, framebuffer     one kind of object each
+    program_store     programs by their text: begun ahead, finished, or taken from the program cache
     render_pass, compute_pass     the encoders: they call GL at once
     capabilities, timestamps      what the device can do; GPU time
 

@@ -59,6 +59,7 @@ def probe(context: Context) -> Caps:
         max_uniform_bytes=gl.integer(e.MAX_UNIFORM_BLOCK_SIZE),
         max_samples=most_samples,
         sample_counts=_sample_counts(gl),
+        max_patch_vertices=gl.integer(e.MAX_PATCH_VERTICES),
     )
 
 

@@ -19,14 +19,15 @@ from engine.gpu.gl.debug import DebugOutput
 from engine.gpu.gl.framebuffer import Framebuffers
 from engine.gpu.gl.objects import Objects
 from engine.gpu.gl.pipeline import GlPipeline
+from engine.gpu.gl.program_store import ProgramStore
 from engine.gpu.gl.render_pass import GlRenderPass
 from engine.gpu.gl.sampler import GlSampler
-from engine.gpu.gl.shader import GlProgram, version_prelude
+from engine.gpu.gl.shader import version_prelude
 from engine.gpu.gl.state import StateCache
 from engine.gpu.gl.texture import GlTexture
 from engine.gpu.gl.timestamps import Timestamps
 from engine.gpu.gl.vertex_array import VertexArrays
-from engine.gpu.pipeline_keys import pipeline_key, program_key, sources_of
+from engine.gpu.pipeline_keys import pipeline_key
 from engine.gpu.types import (
     ColorAttachment,
     ComputePipelineDesc,
@@ -62,7 +63,7 @@ class GlDevice:
         self._timestamps = Timestamps(self)
         self._errors = DebugOutput(self)
         self._samplers: dict[SamplerDesc, GlSampler] = {}
-        self._programs: dict[tuple[object, ...], GlProgram] = {}
+        self.programs = ProgramStore(self)
         self._pipelines: dict[object, GlPipeline] = {}
         self._pass: GlRenderPass | GlComputePass | None = None
         self._in_frame = False
@@ -97,17 +98,20 @@ class GlDevice:
     def compute_pipeline(self, desc: ComputePipelineDesc) -> GlPipeline:
         return self._pipeline(desc)
 
+    def begin_pipeline(self, desc: RenderPipelineDesc | ComputePipelineDesc) -> bool:
+        return pipeline_key(desc) in self._pipelines or self.programs.begin(desc)
+
+    def abandon_pipelines(self) -> None:
+        self.ensure_current()
+        self.programs.abandon()
+
     def _pipeline(self, desc: RenderPipelineDesc | ComputePipelineDesc) -> GlPipeline:
         key = pipeline_key(desc)
         pipeline = self._pipelines.get(key)
         if pipeline is None:
             if isinstance(desc, RenderPipelineDesc):
                 validate.render_pipeline_desc(desc)
-            text = program_key(desc)
-            program = self._programs.get(text)
-            if program is None:
-                self.ensure_current()
-                program = self._programs[text] = GlProgram(self, desc.label, sources_of(desc))
+            program = self.programs.get(desc)
             pipeline = self._pipelines[key] = GlPipeline(self, key, desc, program)
         pipeline.references += 1
         return pipeline
@@ -115,12 +119,7 @@ class GlDevice:
     def drop_pipeline(self, pipeline: GlPipeline) -> None:
         """Its last user let it go."""
         self._pipelines.pop(pipeline.key, None)
-        program = pipeline.program
-        program.references -= 1
-        if program.references == 0:
-            for key in [k for k, p in self._programs.items() if p is program]:
-                del self._programs[key]
-            program.release()
+        self.programs.drop(pipeline.program)
 
     # --- passes ----------------------------------------------------------------------------------------------------
 
@@ -182,6 +181,7 @@ class GlDevice:
         if texture.desc.kind != "2d" or texture.desc.samples > 1:
             raise UsageError(f"present takes a 2d texture, got {texture.desc}")
         source = self.framebuffers.get("present", [ColorAttachment(texture)], None)
+        self.state.open_scissor()
         # the window's row 0 is its bottom row
         self.gl.BlitNamedFramebuffer(
             source, 0, 0, 0, texture.desc.width, texture.desc.height, 0, height, width, 0, e.COLOR_BUFFER_BIT,
@@ -274,6 +274,7 @@ class GlDevice:
         self.objects.drain()
         for pipeline in list(self._pipelines.values()):
             self.drop_pipeline(pipeline)
+        self.programs.abandon()
         for sampler in self._samplers.values():
             sampler.destroy()
         self._samplers.clear()

@@ -21,6 +21,8 @@ TEXTURE_CUBE_MAP_SEAMLESS, PROGRAM_POINT_SIZE, PRIMITIVE_RESTART, RASTERIZER_DIS
 MULTISAMPLE, SAMPLE_ALPHA_TO_COVERAGE, DITHER, COLOR_LOGIC_OP = 0x809D, 0x809E, 0x0BD0, 0x0BF2
 FRONT, BACK, FRONT_AND_BACK, CW, CCW = 0x0404, 0x0405, 0x0408, 0x0900, 0x0901
 LINE, FILL = 0x1B01, 0x1B02
+SAMPLE_MASK, PATCH_VERTICES, MAX_PATCH_VERTICES = 0x8E51, 0x8E72, 0x8E7D
+DEPTH_STENCIL = 0x84F9
 LOWER_LEFT, UPPER_LEFT, NEGATIVE_ONE_TO_ONE, ZERO_TO_ONE = 0x8CA1, 0x8CA2, 0x935E, 0x935F
 COLOR, DEPTH, NONE = 0x1800, 0x1801, 0
 UNPACK_ALIGNMENT, UNPACK_ROW_LENGTH, UNPACK_SKIP_ROWS, UNPACK_SKIP_PIXELS = 0x0CF5, 0x0CF2, 0x0CF3, 0x0CF4
@@ -42,16 +44,22 @@ TEXTURE_MIN_FILTER, TEXTURE_MAG_FILTER, TEXTURE_MAX_ANISOTROPY = 0x2801, 0x2800,
 TEXTURE_COMPARE_MODE, TEXTURE_COMPARE_FUNC, COMPARE_REF_TO_TEXTURE = 0x884C, 0x884D, 0x884E
 TEXTURE_MAX_LEVEL = 0x813D
 REPEAT, MIRRORED_REPEAT, CLAMP_TO_EDGE = 0x2901, 0x8370, 0x812F
+CLAMP_TO_BORDER, MIRROR_CLAMP_TO_EDGE = 0x812D, 0x8743
+TEXTURE_BORDER_COLOR, TEXTURE_LOD_BIAS, TEXTURE_MIN_LOD, TEXTURE_MAX_LOD = 0x1004, 0x8501, 0x813A, 0x813B
 READ_ONLY, WRITE_ONLY, READ_WRITE = 0x88B8, 0x88B9, 0x88BA
 
 # framebuffers
 FRAMEBUFFER, READ_FRAMEBUFFER, DRAW_FRAMEBUFFER = 0x8D40, 0x8CA8, 0x8CA9
 COLOR_ATTACHMENT0, DEPTH_ATTACHMENT, FRAMEBUFFER_COMPLETE = 0x8CE0, 0x8D00, 0x8CD5
+DEPTH_STENCIL_ATTACHMENT = 0x821A
 COLOR_BUFFER_BIT = 0x4000
 NEAREST, LINEAR = 0x2600, 0x2601
 
 # shaders and programs
 COMPILE_STATUS, LINK_STATUS, INFO_LOG_LENGTH = 0x8B81, 0x8B82, 0x8B84
+COMPLETION_STATUS = 0x91B1
+NUM_PROGRAM_BINARY_FORMATS, PROGRAM_BINARY_FORMATS = 0x87FE, 0x87FF
+PROGRAM_BINARY_LENGTH, PROGRAM_BINARY_RETRIEVABLE_HINT = 0x8741, 0x8257
 UNIFORM_BLOCK, SHADER_STORAGE_BLOCK, BUFFER_DATA_SIZE, INVALID_INDEX = 0x92E2, 0x92E6, 0x9303, 0xFFFFFFFF
 STAGES = {
     "vertex": 0x8B31, "fragment": 0x8B30, "compute": 0x91B9,
@@ -79,11 +87,19 @@ COMPARE = {
 BLEND_FACTOR = {
     "zero": 0, "one": 1, "src_color": 0x0300, "one_minus_src_color": 0x0301, "src_alpha": 0x0302,
     "one_minus_src_alpha": 0x0303, "dst_alpha": 0x0304, "one_minus_dst_alpha": 0x0305, "dst_color": 0x0306,
-    "one_minus_dst_color": 0x0307, "src_alpha_saturate": 0x0308,
+    "one_minus_dst_color": 0x0307, "src_alpha_saturate": 0x0308, "constant": 0x8001, "one_minus_constant": 0x8002,
+    "constant_alpha": 0x8003, "one_minus_constant_alpha": 0x8004,
 }  # fmt: skip
 BLEND_OP = {"add": 0x8006, "min": 0x8007, "max": 0x8008, "subtract": 0x800A, "reverse_subtract": 0x800B}
-TOPOLOGY = {"points": 0, "lines": 1, "triangles": 4, "triangle_strip": 5}
-WRAP = {"repeat": REPEAT, "mirror": MIRRORED_REPEAT, "clamp": CLAMP_TO_EDGE}
+STENCIL_OP = {
+    "keep": 0x1E00, "zero": 0, "replace": 0x1E01, "increment": 0x1E02, "decrement": 0x1E03, "invert": 0x150A,
+    "increment_wrap": 0x8507, "decrement_wrap": 0x8508,
+}  # fmt: skip
+TOPOLOGY = {"points": 0, "lines": 1, "triangles": 4, "triangle_strip": 5, "patches": 14}
+WRAP = {
+    "repeat": REPEAT, "mirror": MIRRORED_REPEAT, "clamp": CLAMP_TO_EDGE, "border": CLAMP_TO_BORDER,
+    "mirror_once": MIRROR_CLAMP_TO_EDGE,
+}  # fmt: skip
 FILTER = {
     "nearest": 0x2600, "linear": 0x2601, "nearest_mip_nearest": 0x2700, "linear_mip_nearest": 0x2701,
     "nearest_mip_linear": 0x2702, "linear_mip_linear": 0x2703,

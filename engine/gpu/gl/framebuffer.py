@@ -7,6 +7,7 @@ from ctypes import c_uint
 from typing import TYPE_CHECKING
 
 from engine.core.errors import DeviceError
+from engine.gpu import formats
 from engine.gpu.gl import enums as e
 from engine.gpu.gl.texture import GlTexture
 from engine.gpu.types import ColorAttachment, DepthAttachment
@@ -42,7 +43,9 @@ class Framebuffers:
         for index, color in enumerate(colors):
             self._attach(name, e.COLOR_ATTACHMENT0 + index, color.texture, color.level, color.layer)
         if depth is not None:
-            self._attach(name, e.DEPTH_ATTACHMENT, depth.texture, 0, depth.layer)
+            stencil = depth.texture.desc.format in formats.STENCIL
+            point = e.DEPTH_STENCIL_ATTACHMENT if stencil else e.DEPTH_ATTACHMENT
+            self._attach(name, point, depth.texture, 0, depth.layer)
         if colors:
             points = (c_uint * len(colors))(*(e.COLOR_ATTACHMENT0 + i for i in range(len(colors))))
             gl.NamedFramebufferDrawBuffers(name, len(colors), points)

@@ -21,7 +21,8 @@ SIGNATURES: dict[str, str] = {
     "DepthMask": "vb", "DepthFunc": "vu", "DepthRangef": "vff", "CullFace": "vu", "FrontFace": "vu",
     "PolygonMode": "vuu", "PolygonOffset": "vff", "ColorMask": "vbbbb", "ColorMaski": "vubbbb", "BlendFunc": "vuu",
     "BlendEquation": "vu", "BlendFuncSeparatei": "vuuuuu", "BlendEquationSeparatei": "vuuu", "PixelStorei": "vui",
-    "ActiveTexture": "vu", "MemoryBarrier": "vu",
+    "ActiveTexture": "vu", "MemoryBarrier": "vu", "StencilFuncSeparate": "vuuiu", "StencilOpSeparate": "vuuuu",
+    "StencilMask": "vu", "BlendColor": "vffff", "SampleMaski": "vuu", "Scissor": "viiii", "PatchParameteri": "vui",
     # buffers
     "CreateBuffers": "vip", "DeleteBuffers": "vip", "NamedBufferData": "vuzpu",
     "ClearNamedBufferData": "vuuuup", "NamedBufferSubData": "vuzzp",
@@ -33,12 +34,13 @@ SIGNATURES: dict[str, str] = {
     "GetTextureSubImage": "vuiiiiiiiuuip", "GenerateTextureMipmap": "vu", "TextureParameteri": "vuui",
     "CopyImageSubData": "vuuiiiiuuiiiiiii", "BindTextureUnit": "vuu", "BindImageTexture": "vuuibiuu",
     "CreateSamplers": "vip", "DeleteSamplers": "vip", "SamplerParameteri": "vuui", "SamplerParameterf": "vuuf",
-    "BindSampler": "vuu",
+    "BindSampler": "vuu", "SamplerParameterfv": "vuup",
     # framebuffers
     "CreateFramebuffers": "vip", "DeleteFramebuffers": "vip", "NamedFramebufferTexture": "vuuui",
     "NamedFramebufferTextureLayer": "vuuuii", "NamedFramebufferDrawBuffers": "vuip",
     "NamedFramebufferDrawBuffer": "vuu", "NamedFramebufferReadBuffer": "vuu", "CheckNamedFramebufferStatus": "uuu",
     "BindFramebuffer": "vuu", "ClearNamedFramebufferfv": "vuuip", "ClearNamedFramebufferuiv": "vuuip",
+    "ClearNamedFramebufferfi": "vuuifi",
     "BlitNamedFramebuffer": "vuuiiiiiiiiuu",
     # vertex arrays
     "CreateVertexArrays": "vip", "DeleteVertexArrays": "vip", "BindVertexArray": "vu",
@@ -50,7 +52,8 @@ SIGNATURES: dict[str, str] = {
     "GetShaderiv": "vuup", "GetShaderInfoLog": "vuipp", "CreateProgram": "u", "DeleteProgram": "vu",
     "AttachShader": "vuu", "DetachShader": "vuu", "LinkProgram": "vu", "GetProgramiv": "vuup",
     "GetProgramInfoLog": "vuipp", "UseProgram": "vu", "GetProgramResourceIndex": "uuus",
-    "GetProgramResourceiv": "vuuuipipp",
+    "GetProgramResourceiv": "vuuuipipp", "ProgramParameteri": "vuui", "GetProgramBinary": "vuippp",
+    "ProgramBinary": "vuupi",
     # draws and dispatches
     "DrawArraysInstancedBaseInstance": "vuiiiu", "DrawElementsInstancedBaseVertexBaseInstance": "vuiupiiu",
     "MultiDrawElementsIndirect": "vuupii", "DispatchCompute": "vuuu",

@@ -9,7 +9,7 @@ from engine.gpu import validate
 from engine.gpu.gl import enums as e
 from engine.gpu.gl.shader import GlProgram
 from engine.gpu.pipeline_keys import sources_of
-from engine.gpu.types import ComputePipelineDesc, RenderPipelineDesc
+from engine.gpu.types import BlendState, ComputePipelineDesc, RenderPipelineDesc
 
 if TYPE_CHECKING:
     from engine.gpu.gl.device import GlDevice
@@ -24,12 +24,17 @@ def writes_memory(text: str) -> bool:
     return bool(_IMAGE.search(text)) or any("readonly" not in found for found in _STORAGE.findall(text))
 
 
+def _uses_constant(blend: BlendState | None) -> bool:
+    factors = () if blend is None else (blend.src, blend.dst, blend.src_alpha, blend.dst_alpha)
+    return any("constant" in factor for factor in factors)
+
+
 class GlPipeline:
     """`references` counts the callers that asked for it; the last release frees it."""
 
     __slots__ = (
-        "_device", "attributes", "blend", "depth", "id", "key", "label", "mode", "program", "raster", "references",
-        "streams", "writes",
+        "_device", "attributes", "blend", "blend_constant", "depth", "id", "key", "label", "loaded", "mode",
+        "patch_vertices", "program", "raster", "references", "stencil", "streams", "writes",
     )  # fmt: skip
 
     def __init__(
@@ -40,6 +45,7 @@ class GlPipeline:
         self.label = desc.label
         self.program = program
         self.id = program.id
+        self.loaded = program.loaded
         program.references += 1
         self.references = 0
         if isinstance(desc, RenderPipelineDesc):
@@ -49,6 +55,9 @@ class GlPipeline:
             self.depth = desc.depth
             self.blend = desc.blend
             self.raster = desc.raster
+            self.stencil = desc.stencil
+            self.patch_vertices = desc.patch_vertices if desc.topology == "patches" else 0
+            self.blend_constant = desc.blend_constant if any(map(_uses_constant, desc.blend)) else None
         self.writes = any(writes_memory(source.text) for source in sources_of(desc))
 
     def block_size(self, name: str) -> int:

@@ -23,7 +23,7 @@ _NO_STREAMS: dict[str, Any] = {}
 class GlRenderPass:
     __slots__ = (
         "_attached", "_checked", "_counters", "_depth_writable", "_device", "_gl", "_index", "_open", "_pipeline",
-        "_state", "_streams", "_vertex_array_stale", "_writes", "label",
+        "_size", "_state", "_stencil_writable", "_streams", "_vertex_array_stale", "_writes", "label",
     )  # fmt: skip
 
     def __init__(
@@ -31,6 +31,8 @@ class GlRenderPass:
     ) -> None:
         width, height = validate.attachments(label, colors, depth)
         self.label = label
+        self._size = (width, height)
+        self._stencil_writable = depth is not None and depth.stencil
         self._device = device
         self._gl = device.gl
         self._state = state = device.state
@@ -53,6 +55,7 @@ class GlRenderPass:
 
     def _clear(self, framebuffer: int, colors: Sequence[ColorAttachment], depth: DepthAttachment | None) -> None:
         gl = self._gl
+        self._state.open_scissor()
         for index, color in enumerate(colors):
             if color.clear is not None:
                 self._state.open_color_mask(index)
@@ -63,7 +66,11 @@ class GlRenderPass:
                 self._counters.api_calls += 1
         if depth is not None and depth.clear is not None:
             self._state.write_depth(True)
-            gl.ClearNamedFramebufferfv(framebuffer, e.DEPTH, 0, byref(c_float(depth.clear)))
+            if depth.texture.desc.format in formats.STENCIL:
+                self._state.write_stencil(0xFF)
+                gl.ClearNamedFramebufferfi(framebuffer, e.DEPTH_STENCIL, 0, depth.clear, 0)
+            else:
+                gl.ClearNamedFramebufferfv(framebuffer, e.DEPTH, 0, byref(c_float(depth.clear)))
             self._counters.api_calls += 1
 
     def set_pipeline(self, pipeline: Pipeline) -> None:
@@ -72,7 +79,9 @@ class GlRenderPass:
         if not self._open:
             raise validate.ended(self.label)
         new: GlPipeline = pipeline  # type: ignore[assignment]  # pipelines of this device are GlPipeline
-        self._state.apply(new, may_write_depth=self._depth_writable)
+        self._state.apply(
+            new, may_write_depth=self._depth_writable, size=self._size, may_write_stencil=self._stencil_writable
+        )
         old = self._pipeline
         if old is None or old.attributes is not new.attributes:
             self._vertex_array_stale = True

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ctypes import byref, c_float
 from typing import TYPE_CHECKING
 
 from engine.gpu import validate
@@ -11,6 +12,8 @@ from engine.gpu.types import SamplerDesc
 
 if TYPE_CHECKING:
     from engine.gpu.gl.device import GlDevice
+
+_FLOAT4 = c_float * 4
 
 
 class GlSampler(GlObject):
@@ -33,7 +36,12 @@ class GlSampler(GlObject):
         if desc.compare:
             parameter(self.id, e.TEXTURE_COMPARE_MODE, e.COMPARE_REF_TO_TEXTURE)
             parameter(self.id, e.TEXTURE_COMPARE_FUNC, e.COMPARE[desc.compare])
-        device.counters.api_calls += 8
+        if desc.lod_bias:
+            device.gl.SamplerParameterf(self.id, e.TEXTURE_LOD_BIAS, desc.lod_bias)
+        device.gl.SamplerParameterf(self.id, e.TEXTURE_MIN_LOD, desc.lod_min)
+        device.gl.SamplerParameterf(self.id, e.TEXTURE_MAX_LOD, desc.lod_max)
+        device.gl.SamplerParameterfv(self.id, e.TEXTURE_BORDER_COLOR, byref(_FLOAT4(*desc.border)))
+        device.counters.api_calls += 11
 
     def release(self) -> None:
         """Nothing: samplers are shared by all who ask for an equal one, and live as long as the device."""

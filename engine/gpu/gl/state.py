@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from engine.gpu.gl import enums as e
-from engine.gpu.types import Bindings, BlendState, DepthState, RasterState
+from engine.gpu.types import Bindings, BlendState, DepthState, RasterState, StencilState
 
 if TYPE_CHECKING:
     from engine.gpu.gl.device import GlDevice
@@ -48,6 +48,12 @@ class StateCache:
         self.depth: DepthState | None = None
         self.depth_write: bool | None = None
         self.raster: RasterState | None = None
+        self.stencil: StencilState | None = None
+        self.stencil_write = -1
+        self.patch_vertices = -1
+        self.blend_constant: tuple[float, float, float, float] | None = None
+        self.sample_mask = -1
+        self.scissor: tuple[int, int, int, int] | None = None
         self.blend: dict[int, BlendState] = {}
         self._enabled: dict[int, bool] = {}
         self._tight = False
@@ -134,14 +140,27 @@ class StateCache:
 
     # --- pipelines -------------------------------------------------------------------------------------------------
 
-    def apply(self, pipeline: GlPipeline, *, may_write_depth: bool) -> None:
+    def apply(
+        self, pipeline: GlPipeline, *, may_write_depth: bool, size: tuple[int, int], may_write_stencil: bool = True
+    ) -> None:
+        """`size`: width and height of the attachments in pixels."""
         self.use_program(pipeline.id)
+        if pipeline.patch_vertices and pipeline.patch_vertices != self.patch_vertices:
+            self._gl.PatchParameteri(e.PATCH_VERTICES, pipeline.patch_vertices)
+            self.patch_vertices = pipeline.patch_vertices
+            self._device.counters.api_calls += 1
+        self._apply_stencil(pipeline.stencil, may_write_stencil)
         depth = pipeline.depth or _DEPTH_OFF
         if depth is not self.depth and depth != self.depth:
             self._apply_depth(depth)
         self.write_depth(depth.write and may_write_depth)
         if pipeline.raster is not self.raster and pipeline.raster != self.raster:
             self._apply_raster(pipeline.raster)
+        self._apply_scissor(pipeline.raster, size)
+        if pipeline.blend_constant is not None and pipeline.blend_constant != self.blend_constant:
+            self._gl.BlendColor(*pipeline.blend_constant)
+            self.blend_constant = pipeline.blend_constant
+            self._device.counters.api_calls += 1
         applied = self.blend
         for index, wanted in enumerate(pipeline.blend):
             blend = wanted or _OFF
@@ -167,6 +186,42 @@ class StateCache:
             self.depth_write = on
             self._device.counters.api_calls += 1
 
+    def _apply_stencil(self, stencil: StencilState | None, may_write: bool) -> None:
+        self.enable(e.STENCIL_TEST, stencil is not None)
+        if stencil is None:
+            return
+        gl = self._gl
+        if stencil != self.stencil:
+            for side, face in ((e.FRONT, stencil.front), (e.BACK, stencil.back)):
+                gl.StencilFuncSeparate(side, e.COMPARE[face.compare], stencil.reference, stencil.read_mask)
+                op = e.STENCIL_OP
+                gl.StencilOpSeparate(side, op[face.fail], op[face.depth_fail], op[face.passed])
+            self._device.counters.api_calls += 4
+            self.stencil = stencil
+        self.write_stencil(stencil.write_mask if may_write else 0)
+
+    def write_stencil(self, mask: int) -> None:
+        if self.stencil_write != mask:
+            self._gl.StencilMask(mask)
+            self.stencil_write = mask
+            self._device.counters.api_calls += 1
+
+    def _apply_scissor(self, raster: RasterState, size: tuple[int, int]) -> None:
+        self.enable(e.SCISSOR_TEST, raster.scissor is not None)
+        if raster.scissor is None:
+            return
+        x, y, width, height = raster.scissor
+        left, top = round(x * size[0]), round(y * size[1])
+        wanted = (left, top, round((x + width) * size[0]) - left, round((y + height) * size[1]) - top)
+        if self.scissor != wanted:
+            self._gl.Scissor(*wanted)
+            self.scissor = wanted
+            self._device.counters.api_calls += 1
+
+    def open_scissor(self) -> None:
+        """Clears obey the scissor: let all pixels through."""
+        self.enable(e.SCISSOR_TEST, False)
+
     def _apply_raster(self, raster: RasterState) -> None:
         gl = self._gl
         self.enable(e.CULL_FACE, raster.cull != "none")
@@ -175,6 +230,12 @@ class StateCache:
         gl.FrontFace(e.CCW if raster.front_ccw else e.CW)
         gl.PolygonMode(e.FRONT_AND_BACK, e.LINE if raster.fill == "wireframe" else e.FILL)
         self.enable(e.DEPTH_CLAMP, raster.depth_clamp)
+        self.enable(e.SAMPLE_ALPHA_TO_COVERAGE, raster.alpha_to_coverage)
+        self.enable(e.SAMPLE_MASK, raster.sample_mask != 0xFFFFFFFF)
+        if raster.sample_mask not in (0xFFFFFFFF, self.sample_mask):
+            gl.SampleMaski(0, raster.sample_mask)
+            self.sample_mask = raster.sample_mask
+            self._device.counters.api_calls += 1
         self._device.counters.api_calls += 3
         self.raster = raster
 
@@ -260,7 +321,7 @@ class StateCache:
         gl.DepthRangef(0.0, 1.0)
         for what in (
             e.SCISSOR_TEST, e.STENCIL_TEST, e.FRAMEBUFFER_SRGB, e.PRIMITIVE_RESTART, e.RASTERIZER_DISCARD,
-            e.SAMPLE_ALPHA_TO_COVERAGE, e.COLOR_LOGIC_OP, e.DITHER,
+            e.SAMPLE_ALPHA_TO_COVERAGE, e.SAMPLE_MASK, e.COLOR_LOGIC_OP, e.DITHER,
         ):  # fmt: skip
             self.enable(what, False)
         for what in (e.TEXTURE_CUBE_MAP_SEAMLESS, e.PROGRAM_POINT_SIZE, e.MULTISAMPLE):
@@ -286,7 +347,8 @@ class StateCache:
         gl.ClipControl(e.LOWER_LEFT, e.NEGATIVE_ONE_TO_ONE)
         for what in (
             e.BLEND, e.CULL_FACE, e.DEPTH_TEST, e.SCISSOR_TEST, e.DEPTH_CLAMP, e.POLYGON_OFFSET_FILL,
-            e.POLYGON_OFFSET_LINE, e.TEXTURE_CUBE_MAP_SEAMLESS, e.PROGRAM_POINT_SIZE,
+            e.POLYGON_OFFSET_LINE, e.TEXTURE_CUBE_MAP_SEAMLESS, e.PROGRAM_POINT_SIZE, e.STENCIL_TEST, e.SAMPLE_MASK,
+            e.SAMPLE_ALPHA_TO_COVERAGE,
         ):  # fmt: skip
             gl.Disable(what)
         gl.Enable(e.DITHER)
@@ -299,6 +361,8 @@ class StateCache:
         gl.FrontFace(e.CCW)
         gl.PolygonMode(e.FRONT_AND_BACK, e.FILL)
         gl.PolygonOffset(0.0, 0.0)
+        gl.StencilMask(0xFFFFFFFF)
+        gl.BlendColor(0.0, 0.0, 0.0, 0.0)
         self.default_pixels()
         gl.ActiveTexture(e.TEXTURE0)
-        self._device.counters.api_calls += calls + 27
+        self._device.counters.api_calls += calls + 32

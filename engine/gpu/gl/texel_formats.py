@@ -34,6 +34,7 @@ TEXELS: dict[str, TexelFormat] = {
     "r32ui": TexelFormat(0x8236, RED_INTEGER, U4, U4),
     "rg32ui": TexelFormat(0x823C, RG_INTEGER, U4, U4),
     "d32f": TexelFormat(0x8CAC, DEPTH, F4, F4),
+    "d32f-s8": TexelFormat(0x8CAD, DEPTH, F4, F4),  # what is read is its depth
 }
 
 COMPRESSED: dict[str, int] = {

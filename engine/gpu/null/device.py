@@ -63,6 +63,12 @@ class NullDevice:
     def compute_pipeline(self, desc: ComputePipelineDesc) -> NullPipeline:
         return self._pipeline(desc)
 
+    def begin_pipeline(self, desc: RenderPipelineDesc | ComputePipelineDesc) -> bool:
+        return True
+
+    def abandon_pipelines(self) -> None:
+        pass
+
     def _pipeline(self, desc: RenderPipelineDesc | ComputePipelineDesc) -> NullPipeline:
         key = pipeline_key(desc)
         pipeline = self._pipelines.get(key)

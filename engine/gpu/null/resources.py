@@ -114,6 +114,7 @@ class NullPipeline:
         self.key = key
         self.desc = desc
         self.label = desc.label
+        self.loaded = False
         self.references = 0
         self.attributes = desc.attributes if isinstance(desc, RenderPipelineDesc) else ()
         self.strides = validate.stream_strides(self.attributes)

@@ -1,4 +1,5 @@
-"""Depth of everything solid before it is shaded: the lists of lights are made from it, and nothing is shaded twice."""
+"""Depth of everything solid before it is shaded: lists of lights and ambient occlusion are made from it, and nothing is
+shaded twice."""
 
 from __future__ import annotations
 
@@ -16,13 +17,17 @@ class DepthPrepass(Pass):
     reach: ClassVar[int | None] = 0
 
     def needs(self, facts: SceneFacts) -> bool | str:
-        return True if facts.local_lights else "no local lights"
+        if facts.ambient_occlusion.wanted or (facts.local_lights and facts.lighting.path == "forward-plus"):
+            return True
+        return "no lists of lights and no ambient occlusion are made from it"
 
     def declare(self, b: Builder) -> None:
-        b.create("depth", "d32f", samples=b.facts.samples)
+        b.create("depth", b.facts.depth_format, samples=b.facts.samples)
 
     def execute(self, ctx: PassContext) -> None:
         frame: RenderFrame = ctx.frame
         batches = [batch for batch in frame.draws.opaque if frame.programs.has_role(batch.state, "depth")]
+        if frame.facts.debug_view in ("wireframe", "overdraw"):
+            batches = []  # forced to be here: it would hide the edges and fragments that these views are about
         with ctx.device.render_pass(self.name, [], DepthAttachment(ctx.texture("depth"), clear=0.0)) as render_pass:
             frame.draw_batches(render_pass, batches, frame.facts.samples, depth_only=True)

@@ -1,6 +1,7 @@
 """Light lists of tiles: which local lights can reach what each tile shows, in ascending order.
 
-    depth ─► tile_bounds ─► (light_view ─► light_bins) ─► light_tiles ─► headers (LIGHT_TILES) + light list
+    depth ─► tile_bounds ─► (light_view ─► light_bins) ─► light_tiles, counts ─► light_tiles, lists
+                                                                 └─► headers (LIGHT_TILES) ◄─┘
 Stages and their buffers: engine/render/light_lists.py.
 """
 
@@ -13,7 +14,7 @@ import numpy as np
 from engine.framegraph.builder import Builder
 from engine.framegraph.passes import WHOLE_PICTURE, Pass, PassContext
 from engine.gpu.glsl_layout import Field, layout
-from engine.gpu.types import Bindings
+from engine.gpu.types import Bindings, Buffer
 from engine.render.facts import SceneFacts
 from engine.render.frame import (
     DEPTH_UNIT,
@@ -34,11 +35,12 @@ BLOCK = layout(
         Field("words", "uint"),  # of a mask with a bit per light
         Field("bin_columns", "uint"),
         Field("blended", "uint"),  # 1: lists for what is blended are wanted
-        Field("first_list", "uint"),
+        Field("parts", "uint"),  # words of a bin's second mask, with a bit per word of the first
     ],
     rule="std140",
 )
-SEEN, TILES, VIEW_MASK, BIN_MASK, BIN_DEPTH, COUNTERS = 0, 1, 2, 3, 4, 7
+SEEN = GROUPS = 0  # one of them at a time
+TILES, VIEW_MASK, BIN_MASK, BIN_DEPTH, BIN_PARTS, COUNTERS = 1, 2, 3, 4, 6, 7
 
 
 class LightCullingPass(Pass):
@@ -66,39 +68,56 @@ class LightCullingPass(Pass):
         lists, lighting = frame.light_lists, frame.facts.lighting
         blended = frame.facts.transparent or frame.facts.force_all
         row = np.zeros((), BLOCK.dtype)
-        row["words"], row["bin_columns"], row["blended"] = lists.words, lists.bins[0], blended
+        row["words"], row["parts"] = lists.words, lists.parts
+        row["bin_columns"], row["blended"] = lists.bins[0], blended
         block = frame.pass_block(self.name, row)
         bins_x, bins_y = lists.bins
+        lists.begin()
         word_groups = -(-lists.words // 64)
         layers = lighting.lists if lighting.clustered else 1 + blended
-        #: shader, groups
+        tile_defines = {
+            "TEST": TESTS.index(lighting.test), "DEPTH_BINS": int(lighting.depth == "bins"),
+            "CLUSTERS": int(lighting.clustered), "LOOP_STEPS": lighting.steps,
+        }  # fmt: skip
+        #: shader, defines, groups
         stages: tuple[tuple[str, dict[str, int], tuple[int, int, int]], ...] = (
             ("tile_bounds.comp", {"SAMPLES": frame.facts.samples, "DEPTH_BINS": int(lighting.depth == "bins")},
              (bins_x, bins_y, 1)),
             ("light_view.comp", {}, (word_groups, 1, 1)),
             ("light_bins.comp", {}, (word_groups, bins_x, bins_y)),
-            ("light_tiles.comp", {
-                "TEST": TESTS.index(lighting.test), "DEPTH_BINS": int(lighting.depth == "bins"),
-                "CLUSTERS": int(lighting.clustered), "LOOP_STEPS": lighting.steps,
-            }, (bins_x, bins_y, layers)),
-        )  # fmt: skip
-        bindings = Bindings(
-            uniforms={VIEW_BINDING: frame.view_buffer, PASS_BINDING: block},
-            storage={
-                TILES: lists.tiles, VIEW_MASK: lists.view_mask, BIN_MASK: lists.bin_mask, BIN_DEPTH: lists.bin_depth,
-                LIGHT_LIST_BINDING: lists.list, LIGHT_BOUNDS_BINDING: lists.bounds, COUNTERS: lists.counters,
-            },
-            textures={DEPTH_UNIT: (ctx.texture("depth"), frame.point_sampler)},
-            images={0: (ctx.texture(LIGHT_TILES), 0, "write")},
+            ("light_tiles.comp", {"WRITES": 0, **tile_defines}, (bins_x, bins_y, layers)),
+            ("light_tiles.comp", {"WRITES": 1, **tile_defines}, (bins_x, bins_y, layers)),
         )  # fmt: skip
         with ctx.device.compute_pass(self.name) as compute_pass:
-            compute_pass.set_bindings(bindings)
+            compute_pass.set_bindings(self._bindings(ctx, block))
             for shader, defines, groups in stages:
+                if defines.get("WRITES") and lists.unsure and lists.counted():
+                    self._tell_room(frame)
+                    compute_pass.set_bindings(self._bindings(ctx, block))
                 pipeline = frame.programs.compute(shader, block=BLOCK, block_name="culling", defines=defines)
                 compute_pass.set_pipeline(pipeline)
                 compute_pass.dispatch(*groups)
         if frame.view.settings.light_stats:
             self._count_needed(ctx)
+
+    def _bindings(self, ctx: PassContext, block: Buffer) -> Bindings:
+        frame: RenderFrame = ctx.frame
+        lists = frame.light_lists
+        return Bindings(
+            uniforms={VIEW_BINDING: frame.view_buffer, PASS_BINDING: block},
+            storage={
+                GROUPS: lists.groups, TILES: lists.tiles, VIEW_MASK: lists.view_mask, BIN_MASK: lists.bin_mask,
+                BIN_DEPTH: lists.bin_depth, BIN_PARTS: lists.bin_parts,
+                LIGHT_LIST_BINDING: lists.list, LIGHT_BOUNDS_BINDING: lists.bounds, COUNTERS: lists.counters,
+            },
+            textures={DEPTH_UNIT: (ctx.texture("depth"), frame.point_sampler)},
+            images={0: (ctx.texture(LIGHT_TILES), 0, "read_write")},
+        )  # fmt: skip
+
+    def _tell_room(self, frame: RenderFrame) -> None:
+        """The list is another: its room is in the view block, which shaders test headers against."""
+        frame.shadow_rows["tiles"][1] = frame.light_lists.capacity
+        frame.view_buffer.write(frame.shadow_rows.tobytes())
 
     def _count_needed(self, ctx: PassContext) -> None:
         frame: RenderFrame = ctx.frame

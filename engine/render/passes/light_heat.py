@@ -1,4 +1,4 @@
-"""The lights-per-tile view: the length of each tile's list as a colour over the dimmed picture, with a legend."""
+"""The lights-per-tile view: the length of each tile's list as a colour over the dimmed picture."""
 
 from __future__ import annotations
 

@@ -11,7 +11,9 @@ from engine.gpu.types import ColorAttachment, DepthAttachment
 from engine.render.facts import SceneFacts
 from engine.render.frame import RenderFrame
 from engine.render.gbuffer import LAYOUTS, NO_REFLECTION, texture_names
+from engine.render.passes.ambient_occlusion import FILTERED, ambient_inputs
 from engine.render.passes.light_culling import LIGHT_TILES, light_list_inputs
+from engine.render.passes.local_shadows import LOCAL_SHADOW, local_shadow_inputs
 from engine.render.passes.shadow_cascades import SUN_SHADOW, shadow_inputs
 
 HDR_FORMAT = "rgba16f"
@@ -31,6 +33,7 @@ class OpaquePass(Pass):
 
     def declare(self, b: Builder) -> None:
         b.read(SUN_SHADOW, optional=True)
+        b.read(LOCAL_SHADOW, optional=True)
         samples, lighting = b.facts.samples, b.facts.lighting
         if lighting.deferred:
             b.create(LIGHT_SUM, "rgba32f")
@@ -40,18 +43,20 @@ class OpaquePass(Pass):
                 b.create(name, format)
         else:
             b.create("hdr", HDR_FORMAT, samples=samples)
+        b.read(FILTERED, optional=True)
         if lighting.path == "forward-plus":
             b.read(LIGHT_TILES)
+        if b.facts.depth_first:
             b.write("depth")
         else:
-            b.create("depth", "d32f", samples=samples)
+            b.create("depth", b.facts.depth_format, samples=samples)
 
     def execute(self, ctx: PassContext) -> None:
         frame: RenderFrame = ctx.frame
         lighting = frame.facts.lighting
         background: Any = frame.look["background"]
         batches = frame.draws.opaque
-        inputs = shadow_inputs(ctx)
+        inputs = {**shadow_inputs(ctx), **local_shadow_inputs(ctx), **ambient_inputs(ctx)}
         if lighting.deferred:
             colors = [ColorAttachment(ctx.texture(LIGHT_SUM), clear=background)]
             nothing = (float(NO_REFLECTION), 0.0, 0.0, 0.0)
@@ -65,7 +70,7 @@ class OpaquePass(Pass):
         clear = None
         if lighting.path == "forward-plus":
             inputs = {**inputs, **light_list_inputs(ctx)}
-        else:
+        if not frame.facts.depth_first:
             clear = 0.0
         with ctx.device.render_pass(self.name, colors, DepthAttachment(ctx.texture("depth"), clear)) as render_pass:
             frame.draw_batches(render_pass, batches, frame.facts.samples, inputs)
@@ -82,6 +87,8 @@ class OpaqueForwardPass(Pass):
 
     def declare(self, b: Builder) -> None:
         b.read(SUN_SHADOW, optional=True)
+        b.read(LOCAL_SHADOW, optional=True)
+        b.read(FILTERED, optional=True)
         b.write("hdr")
         b.write("depth")
 
@@ -89,5 +96,6 @@ class OpaqueForwardPass(Pass):
         frame: RenderFrame = ctx.frame
         batches = [batch for batch in frame.draws.opaque if not frame.programs.has_role(batch.state, "gbuffer")]
         depth = DepthAttachment(ctx.texture("depth"))
+        inputs = {**shadow_inputs(ctx), **local_shadow_inputs(ctx), **ambient_inputs(ctx)}
         with ctx.device.render_pass(self.name, [ColorAttachment(ctx.texture("hdr"))], depth) as render_pass:
-            frame.draw_batches(render_pass, batches, frame.facts.samples, shadow_inputs(ctx))
+            frame.draw_batches(render_pass, batches, frame.facts.samples, inputs)

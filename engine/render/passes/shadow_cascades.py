@@ -51,13 +51,15 @@ class ShadowCascadesPass(Pass):
         for layer, key in enumerate(shadows.keys):
             if drawn.get(layer) == key:
                 continue
-            drawn[layer] = key
+            drawn.pop(layer, None)
             row = frame.shadow_rows.copy()
             row["clip_from_origin"] = shadows.clip_from_origin(layer, frame.origin).T
             block = frame.pass_block(f"shadow cascade {layer}", row)
             target = DepthAttachment(texture, clear=0.0, layer=layer)
             with ctx.device.render_pass(f"shadow cascade {layer}", [], target) as render_pass:
                 frame.draw_casters(render_pass, frame.draws.caster_batches[layer], block)
+            if not frame.programs.ahead.skipping:  # else it is not whole
+                drawn[layer] = key
 
     def _content_of(self, texture: Texture) -> dict[int, Hashable]:
         """layer -> key of what was last drawn into it."""

@@ -12,6 +12,7 @@ from engine.render.frame import INPUT_UNIT, RenderFrame
 from engine.render.gbuffer import texture_names
 from engine.render.passes.light_culling import LIGHT_TILES, light_list_inputs
 from engine.render.passes.light_volumes import gbuffer_inputs
+from engine.render.passes.local_shadows import LOCAL_SHADOW, local_shadow_inputs
 from engine.render.passes.opaque import HDR_FORMAT, LIGHT_SUM
 
 
@@ -25,6 +26,7 @@ class TiledShadingPass(Pass):
     def declare(self, b: Builder) -> None:
         for name in (*texture_names(b.facts.lighting.gbuffer), "depth", LIGHT_SUM, LIGHT_TILES):
             b.read(name)
+        b.read(LOCAL_SHADOW, optional=True)
         b.create("hdr", HDR_FORMAT)
 
     def execute(self, ctx: PassContext) -> None:
@@ -36,7 +38,8 @@ class TiledShadingPass(Pass):
         defines |= frame.facts.light_defines()
         pipeline = frame.programs.compute("tiled_shading.comp", lights=True, defines=defines)
         textures = {
-            **gbuffer_inputs(ctx), **light_list_inputs(ctx), INPUT_UNIT: (ctx.texture(LIGHT_SUM), frame.point_sampler)
+            **gbuffer_inputs(ctx), **light_list_inputs(ctx), **local_shadow_inputs(ctx),
+            INPUT_UNIT: (ctx.texture(LIGHT_SUM), frame.point_sampler),
         }  # fmt: skip
         width, height = ctx.size
         with ctx.device.compute_pass(self.name) as compute_pass:

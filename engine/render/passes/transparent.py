@@ -1,4 +1,5 @@
-"""Blended surfaces, back to front, over what is there. Nearer opaque surfaces hide them; they write no depth."""
+"""Blended surfaces, back to front, over what is there. Nearer opaque surfaces hide them; they write no depth. Transmissive
+ones among them do, and see what is behind them in a copy of the picture (scene_color.py)."""
 
 from __future__ import annotations
 
@@ -10,6 +11,8 @@ from engine.gpu.types import ColorAttachment, DepthAttachment
 from engine.render.facts import SceneFacts
 from engine.render.frame import RenderFrame
 from engine.render.passes.light_culling import LIGHT_TILES, light_list_inputs
+from engine.render.passes.local_shadows import LOCAL_SHADOW, local_shadow_inputs
+from engine.render.passes.scene_color import SCENE_COLOR, scene_color_inputs
 from engine.render.passes.shadow_cascades import SUN_SHADOW, shadow_inputs
 
 
@@ -21,14 +24,21 @@ class TransparentPass(Pass):
         return True if facts.transparent else "no blended material in the scene"
 
     def declare(self, b: Builder) -> None:
-        b.read("depth")
+        if b.facts.transmission:
+            b.write("depth")  # a solid body hides its own far side
+        else:
+            b.read("depth")
+        b.read(SCENE_COLOR, optional=True)
         b.read(SUN_SHADOW, optional=True)
+        b.read(LOCAL_SHADOW, optional=True)
         b.read(LIGHT_TILES, optional=True)
         b.write("hdr")
 
     def execute(self, ctx: PassContext) -> None:
         frame: RenderFrame = ctx.frame
-        depth = DepthAttachment(ctx.texture("depth"), read_only=True)
+        depth = DepthAttachment(ctx.texture("depth"), read_only=not frame.facts.transmission)
         with ctx.device.render_pass(self.name, [ColorAttachment(ctx.texture("hdr"))], depth) as render_pass:
-            inputs = {**shadow_inputs(ctx), **light_list_inputs(ctx)}
+            inputs = {
+                **shadow_inputs(ctx), **local_shadow_inputs(ctx), **light_list_inputs(ctx), **scene_color_inputs(ctx)
+            }  # fmt: skip
             frame.draw_batches(render_pass, frame.draws.blended, frame.facts.samples, inputs)

@@ -7,5 +7,8 @@ choice.py       which path a frame takes, and why: asked for, or the cheapest by
 
     shadows ─► depth ─► lists ─► opaque (lists) ─────────────────────► sky ─► transparent (lists) ─► tone map
     shadows ─► opaque + G-buffer ─► lists ─► tiled shading / volumes ─► sky ─► transparent (lists) ─► tone map
+Surfaces of effects without a `gbuffer` technique (layers, other microfacet terms, toon) are drawn behind the lighting
+in the deferred paths, by all lights, unpacked in every path. Before `transparent` comes a copy of the picture where
+something shows what is behind it (passes/scene_color.py).
 Where a scene has no local light every path is the forward one, to the bit.
 """

@@ -18,6 +18,9 @@ PASSES: dict[str, Callable[[], list[Pass]]] = {
     "forward-plus": forward_plus_passes,
 }  # fmt: skip
 
+#: paths that keep surfaces in a G-buffer
+ONE_SAMPLE = ("deferred", "tiled-deferred")
+
 #: views that show the sum of light; all others replace it, and need no other path than forward
 LIT_VIEWS = frozenset({"lit", "lighting", "light_tiles"})
 
@@ -26,19 +29,23 @@ def choose(
     settings: RenderSettings, *, local_lights: bool, lights: int, pixels: int, samples: int, model: CostModel,
     force_all: bool = False,
 ) -> Choice:  # fmt: skip
-    """`lights` local ones over `pixels`, with `samples` a pixel."""
+    """`lights` local ones over `pixels`, with `samples` a pixel.
+
+    Going from path to path leaves the picture as it is. A G-buffer has one sample a pixel, so that with more of them
+    Forward+ makes the picture that a deferred path was asked for.
+    """
     asked = settings.path
-    if asked in ("deferred", "tiled-deferred"):
-        samples = 1  # a G-buffer has one sample a pixel
     if settings.shading_view not in LIT_VIEWS:
         return Choice("forward", samples, f"the view {settings.shading_view} shows no sum of lights")
     if settings.shading_view == "light_tiles" and asked in ("auto", "forward"):
         return Choice("forward-plus", samples, "the view shows its light lists")
     if not local_lights and not force_all:
         return Choice("forward", samples, "no local lights: all paths are the same")
+    if asked in ONE_SAMPLE and samples > 1:
+        why = f"{asked} has one sample a pixel, not {samples}: with samples = 1 it is taken"
+        return Choice("forward-plus", samples, why)
     if asked != "auto":
-        note = ", at one sample a pixel" if samples == 1 and settings.samples > 1 else ""
-        return Choice(asked, samples, f"asked for{note}")
+        return Choice(asked, samples, "asked for")
     path, reason = model.cheapest(lights, pixels, samples)
     return Choice(path, samples, reason)
 

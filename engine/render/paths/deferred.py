@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 from engine.framegraph.passes import Pass
+from engine.render.passes.ambient_occlusion import AmbientOcclusionPass
+from engine.render.passes.bloom import BloomPass
+from engine.render.passes.depth_prepass import DepthPrepass
 from engine.render.passes.light_culling import LightCullingPass
 from engine.render.passes.light_heat import LightHeatPass
 from engine.render.passes.light_resolve import LightResolvePass
 from engine.render.passes.light_volumes import LightVolumesPass
+from engine.render.passes.local_shadows import LocalShadowsPass
 from engine.render.passes.opaque import OpaqueForwardPass, OpaquePass
 from engine.render.passes.resolve import ResolvePass
+from engine.render.passes.scene_color import SceneColorPass
 from engine.render.passes.shadow_cascades import ShadowCascadesPass
 from engine.render.passes.sky import SkyPass
 from engine.render.passes.tiled_shading import TiledShadingPass
@@ -19,14 +24,16 @@ from engine.render.passes.transparent import TransparentPass
 def deferred_passes() -> list[Pass]:
     """Each light's volume is drawn over what it reaches."""
     return [
-        ShadowCascadesPass(), OpaquePass(), LightVolumesPass(), LightResolvePass(), OpaqueForwardPass(), SkyPass(),
-        LightCullingPass(), TransparentPass(), LightHeatPass(), ResolvePass(), ToneMapPass(),
+        ShadowCascadesPass(), LocalShadowsPass(), DepthPrepass(), AmbientOcclusionPass(), OpaquePass(), LightVolumesPass(),
+        LightResolvePass(), OpaqueForwardPass(), SkyPass(), LightCullingPass(), SceneColorPass(), TransparentPass(),
+        LightHeatPass(), BloomPass(), ResolvePass(), ToneMapPass(),
     ]  # fmt: skip
 
 
 def tiled_deferred_passes() -> list[Pass]:
     """Lists of lights per tile, then one compute pass over the pixels."""
     return [
-        ShadowCascadesPass(), OpaquePass(), LightCullingPass(), TiledShadingPass(), OpaqueForwardPass(), SkyPass(),
-        TransparentPass(), LightHeatPass(), ResolvePass(), ToneMapPass(),
+        ShadowCascadesPass(), LocalShadowsPass(), DepthPrepass(), AmbientOcclusionPass(), OpaquePass(), LightCullingPass(),
+        TiledShadingPass(), OpaqueForwardPass(), SkyPass(), SceneColorPass(), TransparentPass(), LightHeatPass(),
+        BloomPass(), ResolvePass(), ToneMapPass(),
     ]  # fmt: skip

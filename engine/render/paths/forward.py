@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 from engine.framegraph.passes import Pass
+from engine.render.passes.ambient_occlusion import AmbientOcclusionPass
+from engine.render.passes.bloom import BloomPass
+from engine.render.passes.depth_prepass import DepthPrepass
 from engine.render.passes.light_heat import LightHeatPass
+from engine.render.passes.local_shadows import LocalShadowsPass
 from engine.render.passes.opaque import OpaquePass
 from engine.render.passes.resolve import ResolvePass
+from engine.render.passes.scene_color import SceneColorPass
 from engine.render.passes.shadow_cascades import ShadowCascadesPass
 from engine.render.passes.sky import SkyPass
 from engine.render.passes.tone_map import ToneMapPass
@@ -14,5 +19,6 @@ from engine.render.passes.transparent import TransparentPass
 
 def forward_passes() -> list[Pass]:
     return [
-        ShadowCascadesPass(), OpaquePass(), SkyPass(), TransparentPass(), LightHeatPass(), ResolvePass(), ToneMapPass(),
+        ShadowCascadesPass(), LocalShadowsPass(), DepthPrepass(), AmbientOcclusionPass(), OpaquePass(), SkyPass(), SceneColorPass(),
+        TransparentPass(), LightHeatPass(), BloomPass(), ResolvePass(), ToneMapPass(),
     ]  # fmt: skip

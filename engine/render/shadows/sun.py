@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.render.shadows.casters import finite_bounds, last_moved
 from engine.render.shadows.fit import Boxes, Cascade, boxes_of, casts_into, fit_cascades, with_depths
 from engine.render.shadows.light_space import light_from_world
 from engine.render.view import View
@@ -74,7 +75,7 @@ class SunShadows:
             self._casters = _Casters(same, casting.copy(), *_sound(scene, casting, self.axes))
         casters, rows, moved = self._casters.boxes, self._casters.rows, self._casters.moved
         table = scene.instances
-        shown = np.flatnonzero(receiving & visible & _finite(scene))
+        shown = np.flatnonzero(receiving & visible & finite_bounds(scene))
         center, radius = table.world_center[shown], table.world_radius[shown].astype(np.float64)
         eye, forward = camera.position, -camera.world_from_camera[:3, 2]
         if np.array_equal(shown, rows):  # everything that is seen casts, too
@@ -130,33 +131,9 @@ def _everywhere(at: F8) -> Cascade:
     return Cascade(float(at[0]), float(at[1]), EVERYWHERE, float(at[2]) - EVERYWHERE, float(at[2]) + EVERYWHERE, 0.0)
 
 
-def _finite(scene: Scene) -> NDArray[np.bool_] | np.bool_:
-    """Which instances have finite bounds; one True when all have, which a sum tells without looking at each."""
-    table = scene.instances
-    with np.errstate(over="ignore", invalid="ignore"):
-        total = float(table.world_center.sum()) + float(table.world_radius.sum(dtype=np.float64))
-    if np.isfinite(total):
-        return np.True_
-    finite: NDArray[np.bool_] = np.isfinite(table.world_center).all(axis=1) & np.isfinite(table.world_radius)
-    return finite
-
-
 def _sound(scene: Scene, wanted: NDArray[np.bool_], axes: F8) -> tuple[NDArray[np.intp], Boxes, NDArray[np.uint32]]:
     """Rows of `wanted` whose bounds are finite, their boxes, when they moved."""
     table = scene.instances
-    rows = np.flatnonzero(wanted & _finite(scene))
+    rows = np.flatnonzero(wanted & finite_bounds(scene))
     boxes = boxes_of(table.world_center[rows], table.world_radius[rows].astype(np.float64), axes)
-    return rows, boxes, _last_moved(scene, rows)
-
-
-def _last_moved(scene: Scene, rows: NDArray[np.intp]) -> NDArray[np.uint32]:
-    """u4[k]: the transform_rev at which what instances `rows` look like changed last: their nodes, or their joints."""
-    nodes, skins = scene.nodes, scene.skins
-    node = np.maximum(scene.instances.node[rows], 0)
-    moved = nodes.world_rev[node].copy()
-    if len(skins):
-        skin = skins.of_nodes(node)
-        of_skin = np.maximum.reduceat(nodes.world_rev[skins.joint], skins.first)
-        posed = skin >= 0
-        moved[posed] = of_skin[skin[posed]]
-    return moved
+    return rows, boxes, last_moved(scene, rows)

@@ -142,8 +142,8 @@ def states_are_moved_and_joined_in_the_graph(ctx: Any, app: App) -> None:
     panel = app.panel(StateGraphPanel)
     count = len(session.document.history.entries)
     start = panel._middle("walking")
-    drag(ctx, start, (start[0] + em(2), start[1] + em(1)))
-    assert editor.model.states["walking"].at == [3.0, 2.0], editor.model.states["walking"].at
+    drag(ctx, start, (start[0] + panel._em(2), start[1] + panel._em(1)))
+    np.testing.assert_allclose(editor.model.states["walking"].at, [3.0, 2.0], atol=0.1)
     assert len(session.document.history.entries) == count + 1
     ctx.key_down(imgui.Key.mod_shift)
     drag(ctx, panel._middle("walking"), panel._middle("running"))
@@ -157,7 +157,7 @@ def states_are_moved_and_joined_in_the_graph(ctx: Any, app: App) -> None:
     # the middle button moves the whole graph along, a double click on nothing brings it back
     ctx.yield_(2)
     corner = panel.boxes["walking"]
-    gap = corner[0] + em(BOX[0] + 0.6), corner[1] + em(0.5)
+    gap = corner[0] + panel._em(BOX[0] + 0.6), corner[1] + panel._em(0.5)
     ctx.mouse_move_to_pos(imgui.ImVec2(*gap))
     ctx.yield_(2)
     ctx.mouse_down(2)

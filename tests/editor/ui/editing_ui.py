@@ -375,6 +375,7 @@ def lights_are_scattered_by_a_button(ctx: Any, app: App) -> None:
     ctx.item_click("//###Lights/###array")
     ctx.yield_(2)
     assert table.alive_count == 10, "three of the lamp"
+    assert [e.describe() for e in document.history.entries][-1] == "Line of 3"
     app.ui.session.undo()
     app.ui.session.undo()
     assert table.alive_count == 1

@@ -1,0 +1,60 @@
+"""Which ambient occlusion a view has: its method, how many places it looks at, and how far."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from engine.render.settings import RenderSettings
+
+METHODS = ("alchemy", "hbao", "gtao")
+#: views that show it
+SHOWN_IN = frozenset({"lit", "lighting", "light_tiles", "occlusion", "ambient_occlusion"})
+METHOD_CHOICES = ("off", *METHODS)
+
+#: part of a scene's size that is taken for the radius where none is set: a scene in other units looks the same
+RADIUS_PART = 0.03
+
+
+@dataclass(frozen=True, slots=True)
+class Occlusion:
+    """`directions`: slices through a pixel; `steps`: places on each side of one (alchemy: in all); `stride`: 2 where
+    every second row and column is looked at. `why_not`: why it is not wanted."""
+
+    method: str = "gtao"
+    directions: int = 2
+    steps: int = 8
+    stride: int = 1
+    wanted: bool = False
+    why_not: str = "ambient occlusion is off"
+
+
+def occlusion_of(settings: RenderSettings, *, lit: bool, solid: bool) -> Occlusion:
+    """What the view asks for; `lit`: there is light from the environment, `solid`: something stands in it."""
+    method = str(settings.ambient_occlusion)
+    stride = 2 if settings.ao_half else 1
+    view = settings.shading_view
+    shown = view == "ambient_occlusion"
+    why = (
+        "ambient occlusion is off" if method == "off"
+        else "its strength is 0" if settings.ao_strength <= 0.0
+        else "no environment light that could be hidden" if not lit and not shown
+        else f"the view {view} shows no environment light" if view not in SHOWN_IN
+        else "nothing solid" if not solid
+        else ""
+    )  # fmt: skip
+    if why:
+        return Occlusion(stride=1, why_not=why)
+    return Occlusion(method, int(settings.ao_directions), int(settings.ao_steps), stride, True, "")
+
+
+def radius_of(settings: RenderSettings, low: NDArray[np.float64], high: NDArray[np.float64]) -> float:
+    """Metres: as set, or by the size of the scene between `low` and `high` (f8[3])."""
+    if settings.ao_radius > 0.0:
+        return float(settings.ao_radius)
+    size = float(np.linalg.norm(high - low))
+    return RADIUS_PART * size if np.isfinite(size) and size > 0.0 else 1.0

@@ -1,0 +1,91 @@
+"""Depth of the scene as point and spot lights see it, in tiles of one map. A tile whose key is the last one is not drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from typing import Any, ClassVar
+
+from engine.framegraph.builder import Builder
+from engine.framegraph.passes import WHOLE_PICTURE, Pass, PassContext
+from engine.gpu.types import DepthAttachment, DepthState, SamplerDesc, Texture
+from engine.render.facts import SceneFacts
+from engine.render.frame import LOCAL_SHADOW_UNIT, RenderFrame
+from engine.render.passes.shadow_cascades import REMEMBERED
+
+#: d32f: 1e-6 m / distance from the light, 0 where nothing casts; only the tiles of this frame mean anything
+LOCAL_SHADOW = "local_shadow"
+#: the map of a forced frame in which no local light casts, which nothing looks into
+NO_ATLAS = 16
+#: a tile is emptied by a triangle at depth 0, as clearing would empty the whole map
+EMPTY = DepthState(test=True, write=True, compare="always")
+
+#: left, top, width in texels
+Square = tuple[int, int, int]
+
+
+class LocalShadowsPass(Pass):
+    """The map stays from frame to frame (`keep`), so lights and casters at rest cost the lookups only."""
+
+    name: ClassVar[str] = "local_shadows"
+    reach: ClassVar[int | None] = WHOLE_PICTURE
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._drawn: list[tuple[Texture, dict[Square, Hashable]]] = []
+
+    def needs(self, facts: SceneFacts) -> bool | str:
+        if facts.local_shadows:
+            return True
+        return "no point or spot light that casts, nothing that casts or shows a shadow, or local shadows are off"
+
+    def declare(self, b: Builder) -> None:
+        width = b.facts.local_shadows or NO_ATLAS
+        b.create(LOCAL_SHADOW, "d32f", size=(width, width))
+        b.keep(LOCAL_SHADOW)
+
+    def execute(self, ctx: PassContext) -> None:
+        frame: RenderFrame = ctx.frame
+        texture = ctx.texture(LOCAL_SHADOW)
+        drawn = self._content_of(texture)
+        if not drawn:
+            drawn[(0, 0, 0)] = "empty"
+            ctx.device.render_pass("local shadows cleared", [], DepthAttachment(texture, clear=0.0)).end()
+        for i, tile in enumerate(frame.local_shadows.tiles):
+            square = (tile.x, tile.y, tile.width)
+            if drawn.get(square) == tile.key:
+                continue
+            for other in [other for other in drawn if _overlap(other, square)]:
+                del drawn[other]
+            row = frame.shadow_rows.copy()
+            row["clip_from_origin"] = tile.clip_from_origin(frame.origin).T
+            block = frame.pass_block(f"local shadow {i}", row)
+            with ctx.device.render_pass(f"local shadow {i}", [], DepthAttachment(texture)) as render_pass:
+                render_pass.set_viewport(*square[:2], tile.width, tile.width)
+                render_pass.set_pipeline(frame.programs.screen("shadow_clear.frag", depth=EMPTY))
+                render_pass.set_bindings(frame.view_bindings())
+                render_pass.draw(3)
+                frame.draw_casters(render_pass, frame.draws.lamp_batches[i], block, lamps=True)
+            if not frame.programs.ahead.skipping:  # else it is not whole
+                drawn[square] = tile.key
+
+    def _content_of(self, texture: Texture) -> dict[Square, Hashable]:
+        """tile -> key of what was last drawn into it."""
+        for known, content in self._drawn:
+            if known is texture:
+                return content
+        self._drawn = [*self._drawn[1 - REMEMBERED :], (texture, {})]
+        return self._drawn[-1][1]
+
+
+def _overlap(a: Square, b: Square) -> bool:
+    return all(a[i] < b[i] + b[2] and b[i] < a[i] + a[2] for i in (0, 1))
+
+
+def local_shadow_inputs(ctx: PassContext) -> dict[int, Any]:
+    """The map for the lookups of everything that shades local lights, by texture unit; nothing where there is none."""
+    if not ctx.has(LOCAL_SHADOW):
+        return {}
+    frame: RenderFrame = ctx.frame
+    filter = "nearest" if frame.facts.shadow_quality.filter == "none" else "linear"
+    compare = ctx.device.sampler(SamplerDesc("clamp", "clamp", "clamp", filter, filter, compare="gequal"))
+    return {LOCAL_SHADOW_UNIT: (ctx.texture(LOCAL_SHADOW), compare)}

@@ -1,0 +1,3 @@
+// Light in steps, as drawn by hand.
+#include "effects/surface.frag"
+#include "lib/toon.glsl"

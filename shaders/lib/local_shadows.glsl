@@ -1,0 +1,65 @@
+// Shadows of point and spot lights: tiles of one map of depth (1e-6 m / distance along the tile's axis), from
+// engine/render/shadows/local.py. All paths know the point and the shaded normal alike, and nothing else is asked for, so
+// that all get the same bits.
+#include "lib/disc.glsl"
+
+layout(binding = 26) uniform sampler2DShadow t_local_shadow;
+// Per light of the table: first row of its tiles, how many tiles, filter radius in texels. Then per tile:
+//   right, u of its middle; up, v of its middle; forward, tangent of half its angle; half width in uv, texel per metre of
+//   depth, near, texel in uv
+layout(std430, binding = 11) readonly buffer LocalShadowBlock { vec4 local_shadows[]; };
+
+const float LOCAL_FOOTPRINT = 1.5;   // texels that one lookup reaches, engine/render/shadows/bias.py
+const float LOCAL_CONSTANT = 0.25;   // texels towards the light: rounding of depths and positions
+const float LOCAL_LEAST_SINE = 0.3;  // a normal map may face the light where its surface does not
+
+// Which face of a cube direction q meets: +X -X +Y -Y +Z -Z.
+uint cube_face(vec3 q)
+{
+    vec3 a = abs(q);
+    uint axis = a.x >= a.y && a.x >= a.z ? 0u : (a.y >= a.z ? 1u : 2u);
+    float along = axis == 0u ? q.x : (axis == 1u ? q.y : q.z);
+    return 2u * axis + (along < 0.0 ? 1u : 0u);
+}
+
+// How much of light i reaches point p (relative to the origin), as far as things hide it: 1 all, 0 none. n: as shaded, unit.
+float local_visibility(uint i, vec3 p, vec3 n, uvec2 pixel)
+{
+    vec4 head = local_shadows[i];
+    if (head.y < 0.5) return 1.0;
+    vec3 q = p - lights[i].position;
+    uint at = uint(head.x) + (head.y > 1.5 ? 4u * cube_face(q) : 0u);
+    vec4 right = local_shadows[at];
+    vec4 up = local_shadows[at + 1u];
+    vec4 forward = local_shadows[at + 2u];
+    vec4 square = local_shadows[at + 3u];
+    float depth = dot(q, forward.xyz);
+    if (!(depth > square.z)) return 1.0;  // behind the view, or at the light
+    // The surface itself must not hide what a lookup compares up to `reach` texels beside the point: as in bias.py, where
+    // the axis of the view stands for the sun. A texel grows with the distance.
+    if (dot(n, q) > 0.0) n = -n;
+    vec2 aside = vec2(dot(n, right.xyz), dot(n, up.xyz));
+    float radius = SHADOW_FILTER >= 2 ? head.z : 0.0;
+    float texel = square.y * depth;
+    q += n * (texel * (LOCAL_FOOTPRINT + radius) * max(length(aside), LOCAL_LEAST_SINE));
+    depth = max(dot(q, forward.xyz), square.z);
+    float along = square.z / max(depth - LOCAL_CONSTANT * texel, square.z);
+    vec2 ndc = vec2(dot(q, right.xyz), dot(q, up.xyz)) / (depth * forward.w);
+    vec2 middle = vec2(right.w, up.w) + vec2(ndc.x, -ndc.y) * square.x;
+    vec2 low = vec2(right.w, up.w) - (square.x - 0.5 * square.w);
+    vec2 high = vec2(right.w, up.w) + (square.x - 0.5 * square.w);
+#if SHADOW_FILTER >= 2
+    const int taps = SHADOW_FILTER == 2 ? 8 : 16;
+    float turn = pixel_turn(pixel);
+    vec2 direction = vec2(cos(turn), sin(turn));
+    float lit = 0.0;
+    for (int k = 0; k < taps; ++k) {
+        vec2 uv = middle + direction * (radius * square.w * vogel_radius(k, taps));
+        lit += textureLod(t_local_shadow, vec3(clamp(uv, low, high), along), 0.0);
+        direction = GOLDEN_TURN * direction;
+    }
+    return lit / float(taps);
+#else
+    return textureLod(t_local_shadow, vec3(clamp(middle, low, high), along), 0.0);
+#endif
+}

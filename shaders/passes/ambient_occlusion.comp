@@ -1,0 +1,166 @@
+// How much of the surroundings each pixel sees, cosine-weighted, from depth alone. What hides them counts less with its
+// distance d: by 1 - (d / radius)^2.
+//
+// METHOD 0  Alchemy: McGuire, Osman, Bukowski, Hennessy 2011, "The Alchemy Screen-Space Ambient Obscurance Algorithm",
+//           eq. 10, with our fall-off in place of 1/d, on a spiral (McGuire, Mara, Luebke 2012, eq. 7; Vogel 1979)
+// METHOD 1  horizons: Bavoil, Sainz, Dimitrov 2008, "Image-Space Horizon-Based Ambient Occlusion", eq. 3; weighted by
+//           the cosine as light is, so with the squares of the sines, and measured from the tangent plane
+// METHOD 2  ground truth: Jimenez, Wu, Pesce, Jarabo 2016, "Practical Realtime Strategies for Accurate Indirect
+//           Occlusion", eq. 7 to 9; horizons sink to the tangent plane with distance
+#include "lib/surface_from_depth.glsl"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(binding = 1, r16f) uniform writeonly image2D i_visibility;
+
+// A place in a pattern of 4 x 4 pixels, 0 to 15, far from those beside it (Bayer 1973).
+int pattern(ivec2 pixel)
+{
+    int x = pixel.x & 3;
+    int y = pixel.y & 3;
+    int z = x ^ y;
+    return ((y >> 1) & 1) | ((z & 2)) | ((y & 1) << 2) | ((z & 1) << 3);
+}
+
+float falloff(float d2)
+{
+    return sat(1.0 - d2 * ao.per_radius_squared);
+}
+
+// The sine of an elevation over the tangent plane; what rises by no more than rounding does is in the plane.
+float above_plane(float sine)
+{
+    return sine * smoothstep(ao.bias, 2.0 * ao.bias, sine);
+}
+
+// From p to what the pixel shows; `seen` false where that says nothing.
+vec3 blocker(ivec2 pixel, ivec2 own, vec3 p, out bool seen)
+{
+    seen = false;
+    if (pixel == own || !inside_picture(pixel)) return vec3(0.0);
+    float depth = depth_at(pixel);
+    if (!(depth > 0.0)) return vec3(0.0);
+    seen = true;
+    return place_at(pixel, depth) - p;
+}
+
+float alchemy(ivec2 own, vec3 p, vec3 n, float reach, float turn)
+{
+    float sum = 0.0;
+    for (int i = 0; i < STEPS; ++i) {
+        float u = (float(i) + 0.5) / float(STEPS);
+        float angle = float(i) * 2.39996323 + turn * 2.0 * PI;
+        bool seen;
+        vec3 d = blocker(own + ivec2(round(reach * sqrt(u) * vec2(cos(angle), sin(angle)))), own, p, seen);
+        if (!seen) continue;
+        float d2 = max(dot(d, d), 1e-30);
+        sum += falloff(d2) * above_plane(dot(d, n) * inversesqrt(d2));
+    }
+    return 1.0 - 2.0 * sum / float(STEPS);
+}
+
+// Of one side of a slice: the sum of (sin^2 h - sin^2 h before) * fall-off, h rising from the tangent plane.
+float side_of_horizon(ivec2 own, vec3 p, vec3 n, vec2 towards, float reach, float shift)
+{
+    float highest = 0.0;
+    float sum = 0.0;
+    for (int j = 0; j < STEPS; ++j) {
+        float u = (float(j) + shift) / float(STEPS);
+        bool seen;
+        vec3 d = blocker(own + ivec2(round(max(reach * u, 1.0) * towards)), own, p, seen);
+        if (!seen) continue;
+        float d2 = max(dot(d, d), 1e-30);
+        float rise = above_plane(dot(d, n) * inversesqrt(d2));
+        if (rise <= highest) continue;
+        sum += falloff(d2) * (rise * rise - highest * highest);
+        highest = rise;
+    }
+    return sum;
+}
+
+float horizons(ivec2 own, vec3 p, vec3 n, float reach, float turn, float shift)
+{
+    float sum = 0.0;
+    for (int i = 0; i < DIRECTIONS; ++i) {
+        float angle = (float(i) + turn) * PI / float(DIRECTIONS);
+        vec2 towards = vec2(cos(angle), sin(angle));
+        sum += side_of_horizon(own, p, n, towards, reach, shift) + side_of_horizon(own, p, n, -towards, reach, shift);
+    }
+    return 1.0 - sum / float(2 * DIRECTIONS);
+}
+
+// Of one side of a slice: the sine of the highest elevation over the tangent plane, which sinks with distance; what a
+// horizon hides goes with the square of its sine, so the fall-off with its root. Taken from the tangent plane and not
+// from v, so that a place beside the slice, at the middle of its pixel, hides nothing of its own plane.
+float highest_rise(ivec2 own, vec3 p, vec3 n, vec2 towards, float reach, float shift)
+{
+    float highest = 0.0;
+    for (int j = 0; j < STEPS; ++j) {
+        float u = (float(j) + shift) / float(STEPS);
+        bool seen;
+        vec3 d = blocker(own + ivec2(round(max(reach * u * u, 1.0) * towards)), own, p, seen);
+        if (!seen) continue;
+        float d2 = max(dot(d, d), 1e-30);
+        highest = max(highest, above_plane(dot(d, n) * inversesqrt(d2)) * sqrt(falloff(d2)));
+    }
+    return highest;
+}
+
+// The inner integral over a slice between two horizons, measured from v; `gamma` is the normal's angle in it.
+float arc(float h, float gamma)
+{
+    return 0.25 * (cos(gamma) + 2.0 * h * sin(gamma) - cos(2.0 * h - gamma));
+}
+
+float ground_truth(ivec2 own, vec3 p, vec3 n, float reach, float turn, float shift)
+{
+    vec3 v = safe_normalize(view_vector(p));
+    vec3 right = safe_normalize(view.place_x.xyz);
+    vec3 up = safe_normalize(view.place_y.xyz);
+    float sum = 0.0;
+    for (int i = 0; i < DIRECTIONS; ++i) {
+        float angle = (float(i) + turn) * PI / float(DIRECTIONS);
+        vec2 towards = vec2(cos(angle), -sin(angle));  // rows of pixels go down
+        vec3 d = right * cos(angle) + up * sin(angle);
+        vec3 side = safe_normalize(d - dot(d, v) * v);
+        vec3 axis = cross(side, v);
+        vec3 projected = n - axis * dot(n, axis);
+        float size = max(length(projected), 1e-6);
+        float gamma = sign(dot(side, projected)) * acos(clamp(dot(projected, v) / size, -1.0, 1.0));
+        float ahead = asin(min(highest_rise(own, p, n, towards, reach, shift) / size, 1.0));
+        float behind = asin(min(highest_rise(own, p, n, -towards, reach, shift) / size, 1.0));
+        float h1 = gamma + 0.5 * PI - ahead;
+        float h0 = gamma - 0.5 * PI + behind;
+        sum += size * (arc(h0, gamma) + arc(h1, gamma));
+    }
+    return sum / float(DIRECTIONS);
+}
+
+void main()
+{
+    ivec2 texel = ivec2(gl_GlobalInvocationID.xy);
+    ivec2 own = texel * STRIDE;
+    if (own.x >= int(view.size.x) || own.y >= int(view.size.y)) return;
+    float depth = depth_at(own);
+    float visible = 1.0;
+    if (depth > 0.0 && ao.strength > 0.0) {
+        vec3 p = place_at(own, depth);
+        vec3 n = facet_normal(own, p);
+        float pixels = ao.radius * pixels_per_metre(view_depth(p));
+        float reach = min(pixels, 0.5 * view.size.y);
+        if (reach > 1.0) {
+            float turn = (float(pattern(texel)) + 0.5) / 16.0;
+            float shift = (float(pattern(texel.yx + ivec2(1, 2))) + 0.5) / 16.0;
+#if METHOD == 0
+            visible = alchemy(own, p, n, reach, turn);
+#elif METHOD == 1
+            visible = horizons(own, p, n, reach, turn, shift);
+#else
+            visible = ground_truth(own, p, n, reach, turn, shift);
+#endif
+            // a radius of two pixels and less is no picture of its surroundings
+            visible = mix(1.0, visible, ao.strength * sat(reach - 1.0));
+        }
+    }
+    // one slice may well see more than 1 or less than 0, as others see less or more: it is the filtered value that ends there
+    imageStore(i_visibility, texel, vec4(visible == visible ? clamp(visible, -4.0, 4.0) : 1.0));
+}
