@@ -171,7 +171,7 @@ class App:
         keys.run_shortcuts(self.ui, flying=self.panel(ViewportPanel).flying)
         self._requests()
         working = session.job is not None or session.work is not None or session.image.compiling is not None
-        if session.playback.playing or working:
+        if session.playback.playing or working or session.image.settling:
             self._refresh()
 
     def _interacting(self, io: Any) -> bool:

@@ -390,6 +390,9 @@ def builtin_operations() -> Operations:
     add("shader.save", "Save text", lambda s: void(s.save_code()), menu="Shaders", enabled=_has_code, separator=True)
     add("shader.reload", "Reload shaders", _reload_shaders, "F5", menu="Shaders", enabled=doc,
         about="Compile all of them again; edited files are noticed without it")  # fmt: skip
+    add("shader.draw-anyway", "Draw it anyway", lambda s: s.shaders.draw_anyway(s), menu="Shaders",
+        enabled=lambda s: s.shaders.refused,
+        about="Show new shaders that were sent back because they write NaN")  # fmt: skip
     add("shader.next-error", "Next error", lambda s: void(s.shaders.next_problem(s)), "F8", menu="Shaders", enabled=doc)
     add("shader.previous-error", "Previous error", lambda s: void(s.shaders.next_problem(s, -1)), "Shift+F8",
         menu="Shaders", enabled=doc)  # fmt: skip

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+import time
+from collections.abc import Callable, Hashable
 from typing import TYPE_CHECKING, Any
 
 from engine.core.errors import LucarnaError
@@ -14,6 +15,9 @@ if TYPE_CHECKING:
 MAX_SIZE = 8192
 #: (milliseconds of a frame, the scale to render at while something moves if it takes longer)
 COARSER = ((250.0, 0.25), (45.0, 0.5))
+
+#: pictures after a change before a renderer can say that its exposure has settled: it reads what it did some frames ago
+UNSURE = 4
 
 #: seconds that a frame of the window spends on new shader programs: it stays under 50 ms where a program takes less
 PATIENCE = 0.02
@@ -33,6 +37,11 @@ class ViewportImage:
         self.error = ""
         self.width = 0
         self.height = 0
+        #: the exposure is getting used to the picture: the same state gives another picture yet
+        self.settling = False
+        self.clock: Callable[[], float] = time.perf_counter
+        self._shown_at: float | None = None
+        self._unsure = 0
         self._key: Hashable = None
         self._moving = False
         self._scale = 1.0
@@ -49,22 +58,39 @@ class ViewportImage:
         runtime = document.runtime
         runtime.scene.update()
         key = (id(runtime), width, height, *session.visible_state())
-        if key == self._key:
+        if key == self._key and not self.settling:
             return self.frame
         try:
             with session.device_frame():
-                frame = self._made(runtime, session.view())
+                frame = self._made(runtime, self._timed(session.view()))
             if frame is None:
                 return self.frame
+            self._settle(frame, changed=key != self._key)
             self.frame = frame
             self.renders += 1
             self.width, self.height, self.error = width, height, ""
         except LucarnaError as error:
-            self.error = str(error)
+            self.error, self.settling = str(error), False
             session.messages.error(error)
         # taken after the render: streaming may have moved a revision, and that is shown by the next one
         self._key = key
         return self.frame
+
+    def _timed(self, view: Any) -> Any:
+        """The view with the time since the last picture; without, where there is none that an eye has got used to."""
+        if getattr(view.settings, "auto_exposure", False) and self._shown_at is not None:
+            view.seconds = self.clock() - self._shown_at
+        return view
+
+    def _settle(self, frame: Any, *, changed: bool) -> None:
+        """Whether one more picture is wanted, although nothing else has changed."""
+        facts = getattr(frame, "facts", None)
+        if not getattr(facts, "auto_exposure", False):
+            self._shown_at, self.settling = None, False
+            return
+        first, self._shown_at = self._shown_at is None, self.clock()
+        self._unsure = 0 if first else UNSURE if changed else max(self._unsure - 1, 0)
+        self.settling = self._unsure > 0 or not frame.settled
 
     def _made(self, runtime: Any, view: Any) -> Any:
         """A picture, or None while its programs are made."""
@@ -96,6 +122,7 @@ class ViewportImage:
     def forget(self) -> None:
         """Drop the picture: its runtime is being closed."""
         self.frame, self._key, self.error, self.compiling = None, None, "", None
+        self._shown_at, self.settling = None, False
 
     def pixels(self) -> Any:
         """The picture as u1[h,w,4], row 0 at the top, or None."""

@@ -40,7 +40,7 @@ class ShaderWatch:
         self._reload: Any = None
         self._texts_at = 0.0
         self._next = -1
-        self._drawn_at = 0
+        self._proofs = 0
 
     @property
     def badge(self) -> str:
@@ -59,14 +59,16 @@ class ShaderWatch:
         reload = getattr(session.document.runtime, "hot_reload", None) if session.document is not None else None
         if reload is not self._reload:
             self._reload = reload
+            self._proofs = getattr(reload, "proofs", 0)
             self._report(session)
         if reload is None:
             return
         self._start_thread()
         if self._due.is_set() or reload.changed(now):
             self.reload(session, force=False)
-        elif getattr(reload, "unproven", ()) and session.image.renders > self._drawn_at:
-            self._prove(session)
+        elif getattr(reload, "proofs", 0) != self._proofs:  # the first picture by new shaders was looked into
+            self._proofs = reload.proofs
+            self._report(session)
 
     def reload(self, session: Session, *, force: bool) -> None:
         """Look at the files now; `force` compiles everything again."""
@@ -81,21 +83,24 @@ class ShaderWatch:
         if result.names:
             self.taken += 1
             self.last_ms = result.ms
-            self._drawn_at = session.image.renders
             names = ", ".join(result.names[:4]) + (
                 f" and {len(result.names) - 4} more" if len(result.names) > 4 else ""
             )
             session.messages.info(f"Reloaded {names} in {result.ms:.0f} ms")
+            self.wake()  # the frame after this one tells what `HotReload.prove` found
         self._report(session)
 
-    def _prove(self, session: Session) -> None:
-        """After the first picture by new shaders: one more, not shown, in which NaN and infinities are looked for."""
-        settings = type(session.settings)(**{**session.settings.values(), "check_numbers": True})
-        view = session.host.view(session.camera, session.width, session.height, settings)
-        assert session.document is not None
+    @property
+    def refused(self) -> bool:
+        """Whether new shaders compile but were sent back, for they write NaN."""
+        return bool(getattr(self._reload, "refused", ()))
+
+    def draw_anyway(self, session: Session) -> None:
+        """Show what was sent back all the same."""
         with session.device_frame():
-            frame = session.document.runtime.render(view)
-        self._reload.prove(frame.numbers)
+            taken = self._reload.draw_anyway()
+        if taken:
+            session.messages.info(f"Drawn all the same: {', '.join(taken)}")
         session.image.invalidate()
         self._report(session)
 

@@ -11,6 +11,7 @@
     checks/    rules, budgets and SARIF of `check`         images/    lone images: pictures, cubes, arrays, environments
     loose_textures  materials from files' names            experiments/   error against time, for `lucarna report`
     processing what is done to every model: clean, order   ogre/      Ogre 3D meshes, skeletons, material scripts
+    brdf_sheet   a material's lobe as a picture (`inspect --brdf`)
     key_reduction, lods   fewer keys, fewer triangles      fallback/  all other formats, by Assimp or trimesh
 
     X.glb -> registry -> gltf.load -> ImportedModel (arrays + findings) -> convert -> .lmesh .lanim .dds

@@ -19,6 +19,10 @@ GROUPS: dict[str, tuple[str, ...]] = {
     "Environment": (
         "environment_intensity", "environment_rotation", "sun_intensity", "background", "background_blur",
     ),
+    "Lens": (
+        "auto_exposure", "auto_low", "auto_high", "auto_limit", "adapt_darker", "adapt_brighter", "bloom",
+        "bloom_radius", "bloom_calm",
+    ),
     "Quality": (),
 }  # fmt: skip
 

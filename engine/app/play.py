@@ -89,7 +89,7 @@ class Player:
         width, height = self.window.buffer_size
         if width < 1 or height < 1:
             return
-        frame = self.runtime.render(View(self.free.camera, width, height))
+        frame = self.runtime.render(View(self.free.camera, width, height, seconds=seconds))
         self.runtime.device.present(frame.color, width, height)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Hashable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -33,6 +34,7 @@ from engine.render.environments import Baker
 from engine.render.frame import Frame
 from engine.render.renderer import Renderer
 from engine.render.view import View
+from engine.report.number_check import NumberReport
 from engine.resources.hot_reload import HotReload
 from engine.resources.residency import Residency
 from engine.scene.copies import copies_of
@@ -375,16 +377,39 @@ class Runtime:
 
     def render(self, view: View, *, hdr: bool = False) -> Frame:
         """One picture; its counters also say how many animations the last update posed, and how many were asleep."""
-        frame = self.renderer.render(self.scene, view, hdr=hdr)
+        fresh = self.hot_reload.unproven
+        frame = self._proven(view, hdr) if fresh else self.renderer.render(self.scene, view, hdr=hdr)
         frame.stats.counters |= {"animations": self.deck.playing, "animations_asleep": self.deck.asleep}
         return frame
 
     def follow(self, view: View, patience: float) -> Frame | None:
         """As `render`, for windows: None while shader programs are made, for about `patience` seconds a call."""
+        if self.hot_reload.unproven:
+            return self.render(view)
         frame = self.renderer.follow(self.scene, view, patience)
         if frame is not None:
             frame.stats.counters |= {"animations": self.deck.playing, "animations_asleep": self.deck.asleep}
         return frame
+
+    def _proven(self, view: View, hdr: bool) -> Frame:
+        """The first picture after edited shaders came in: by those, or by the last good ones if they write NaN."""
+        wanted = view.settings.wants_numbers
+        settings = type(view.settings)(**{**view.settings.values(), "check_numbers": True})
+        # pictures that nobody sees take no time: nothing adapts to them
+        checked = replace(view, settings=settings, seconds=None if view.seconds is None else 0.0)
+        first_bad = self.renderer.first_bad
+        drawn: list[Frame] = []
+
+        def draw() -> NumberReport | None:
+            drawn.append(self.renderer.render(self.scene, checked, hdr=hdr))
+            return drawn[-1].numbers
+
+        stands = self.hot_reload.prove(draw)
+        if not wanted:
+            self.renderer.first_bad = first_bad
+        if not stands:
+            return self.renderer.render(self.scene, view, hdr=hdr)
+        return drawn[-1] if wanted else replace(drawn[-1], numbers=None)
 
     def pick(self, view: View, x: float, y: float) -> int:
         """The node row seen at pixel (x, y) from the top left, or -1."""

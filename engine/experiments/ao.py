@@ -31,7 +31,7 @@ F8 = NDArray[np.float64]
 SCENES = (MADE + "room", MADE + "blocks")
 #: (directions, steps) of horizons; places of the spiral
 SLICES, PLACES = ((1, 2), (1, 4), (2, 4), (3, 4), (2, 8), (4, 8), (8, 16)), (4, 8, 16, 32, 64)
-RAYS = 128
+RAYS = 64
 
 
 def size(ctx: Context) -> tuple[int, int]:
@@ -41,17 +41,21 @@ def size(ctx: Context) -> tuple[int, int]:
 def knobs(ctx: Context) -> list[dict[str, Any]]:
     """Every method at every number of places; the default at half size; on every scene."""
     default = RenderSettings()
-    slices = SLICES[1:6] if ctx.quick else SLICES
+    slices, places = (SLICES[1::2], PLACES[::2]) if ctx.quick else (SLICES, PLACES)
     found: list[dict[str, Any]] = []
-    for scene in own_or(ctx, SCENES):
+    for scene in scenes(ctx):
         rows: list[dict[str, Any]] = [
             {"method": m, "directions": d, "steps": s, "half": False} for m in ("gtao", "hbao") for d, s in slices
         ]
-        rows += [{"method": "alchemy", "directions": 1, "steps": n, "half": False} for n in PLACES]
+        rows += [{"method": "alchemy", "directions": 1, "steps": n, "half": False} for n in places]
         rows += [{"method": "gtao", "directions": d, "steps": s, "half": True} for d, s in slices]
         own = {"method": METHODS[-1], "directions": default.ao_directions, "steps": default.ao_steps, "half": False}
-        found += [{"scene": scene, **row} for row in ([] if own in rows else [own]) + rows]
+        found += [{"scene": scene, **row} for row in (rows if own in rows else [own, *rows])]
     return found
+
+
+def scenes(ctx: Context) -> list[str]:
+    return own_or(ctx, SCENES[:1] if ctx.quick else SCENES)
 
 
 def settings(chosen: Knobs) -> RenderSettings:
@@ -104,7 +108,7 @@ def truth(ctx: Context, scene: OpenScene, name: str) -> Seen:
 
 
 def prepare(ctx: Context) -> Iterable[tuple[float, str]]:
-    names = own_or(ctx, SCENES)
+    names = scenes(ctx)
     for i, name in enumerate(names):
         yield i / len(names), f"rays into the surroundings, {short(name)}"
         try:

@@ -13,6 +13,7 @@
     features.py      resolve_features(): which features a material on a mesh switches on, and why
     library.py       EffectLibrary: variants (pipelines), hot reload
     variant.py       VariantRequest, Variant; compiling one
+    versions.py      the last good version of an effect, and where an edit begins
     pairing.py   whether a material's microfacet terms belong together
     lobe_plots.py   curves of a material's lobe, albedo, terms: editor's explorer, `inspect --brdf`
     fit.py           what of a material an edited effect can still take

@@ -30,6 +30,7 @@ from engine.materials.variant import (
     shader_file,
     shadowing,
 )
+from engine.materials.versions import Version
 
 #: (a reloaded effect) -> further requests that must compile before it is taken over
 Further = Callable[[Effect], Iterable[tuple[Device, VariantRequest]]]
@@ -59,6 +60,10 @@ class EffectLibrary:
         #: effect name -> contents of the files that its variants are made from
         self._texts: dict[str, dict[Path, str]] = {}
         self._begun: dict[tuple[int, VariantRequest], Begun] = {}
+        #: the last good version of effects that `poll` took over and nobody settled
+        self._before: dict[str, Version] = {}
+        #: the version of effects that `go_back` took out of use
+        self._refused: dict[str, Version] = {}
 
     # --- effects ---
 
@@ -290,8 +295,9 @@ class EffectLibrary:
         return self._watched.changed()
 
     def invalidate(self) -> None:
-        """Make the next `poll` take all files for changed."""
+        """Make the next `poll` take all files for changed, also those of a version that was refused."""
         self._watched.invalidate()
+        self._refused.clear()
 
     def poll(self, further: Further | None = None) -> list[str]:
         """Look whether files changed (mtime and size); compile aside, and return the effects that now are new ones.
@@ -358,10 +364,16 @@ class EffectLibrary:
         bad = [(variant, out) for variant, out in outcomes if isinstance(out, ShaderError)]
         worse = [error for variant, error in bad if variant.pipeline is not None]
         worse += [out for _, out in new if isinstance(out, ShaderError)]
+        refused = self._refused.get(name)
+        if not worse and refused is not None and refused.error is not None and refused.says(effect, texts):
+            worse = [refused.error]
         if worse or bad:
             self.errors[name] = (worse or [bad[0][1]])[0]
         else:
             self.errors.pop(name, None)
+        mine = self._of(name)
+        if not worse and mine and all(variant.pipeline is not None for variant in mine):
+            self._before.setdefault(name, Version(old, self._texts.get(name, {})))
         for variant, outcome in outcomes:
             if not worse or isinstance(outcome, ShaderError):
                 self._adopt(variant, outcome)
@@ -379,11 +391,53 @@ class EffectLibrary:
             return False
         self._effects[name] = effect
         self._texts[name] = texts
+        self._refused.pop(name, None)
         self.revision += 1
         for variant in gone:
             let_go(variant)
         self._variants = {key: variant for key, variant in self._variants.items() if variant not in gone}
         return True
+
+    def versions(self, name: str) -> tuple[Version, Version] | None:
+        """(the last good version, the one that `poll` took over since); None where there is no good one to go back to,
+        or the new one is settled."""
+        before = self._before.get(name)
+        return None if before is None else (before, Version(self._effects[name], self._texts.get(name, {})))
+
+    def settle(self, name: str) -> None:
+        """The version in use is the good one now."""
+        self._before.pop(name, None)
+
+    def go_back(self, name: str, error: ShaderError) -> bool:
+        """Run the version before the one that `poll` took over; `errors` has `error` until the files change. False
+        where there is none. Then ask for pipelines again, and move the tables."""
+        versions = self.versions(name)
+        if versions is None:
+            return False
+        before, new = versions
+        self._refused[name] = replace(new, error=error)
+        self._run(name, before)
+        self.errors[name] = error
+        return True
+
+    def go_forward(self, name: str) -> bool:
+        """Run the newest version, which `go_back` took out of use, all the same. False where that is not what
+        stands."""
+        refused = self._refused.get(name)
+        if refused is None or self.errors.get(name) is not refused.error:
+            return False
+        del self._refused[name], self.errors[name]
+        self._run(name, refused)
+        return True
+
+    def _run(self, name: str, version: Version) -> None:
+        """Another version, made from its texts when it is asked for."""
+        self.abandon()
+        for key in [key for key in self._variants if key[1].effect == name]:
+            let_go(self._variants.pop(key))
+        self._effects[name], self._texts[name] = version.effect, dict(version.texts)
+        self._before.pop(name, None)
+        self.revision += 1
 
     def _further(
         self, effect: Effect, further: Further | None, texts: dict[Path, str]

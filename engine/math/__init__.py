@@ -8,6 +8,7 @@
     ggx                 D, V, F, DFG, multiple scattering        ┘
     microfacet, sheen, thin_film   further D, F, V; cloth; iridescence: twins of shaders/lib ┐
     lobes               what a whole material reflects           ─> materials (explorer)    ┘
+    glare               halos of bright light in float64         ─> experiments, tests
     ltc                 area lights: the fit, form factors       ─> shaders/data/ltc.dds (packaging/make_ltc.py), tests
     photometry, blackbody   lumen, lux, nit; the colour of heat  ─> scene, editor
 

@@ -29,7 +29,7 @@ def mirrored_gaussian(count: int, sigma: float) -> F8:
         return np.eye(count)
     reach = int(np.ceil(6.0 * sigma)) + 1
     offsets = np.arange(-reach, reach + 1)
-    edges = _normal_cdf((np.arange(-reach, reach + 2) - 0.5) / sigma)
+    edges = _normal_cdf(np.asarray((np.arange(-reach, reach + 2) - 0.5) / sigma, np.float64))
     weights = np.diff(edges) / (edges[-1] - edges[0])
     rows = np.arange(count)[:, None]
     beyond = np.mod(rows + offsets, 2 * count)

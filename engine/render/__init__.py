@@ -7,10 +7,12 @@ palettes.py     skins -> rows per joint                    morphs.py      target
 light_rows.py   light table -> Light structs, bounds       view_block.py  the uniform block all shaders see
 light_tables.py fitted lobes of area lights, IES profiles  lighting.py    by which path local lights reach surfaces
 gbuffer.py      what a surface is packed into              light_lists.py buffers behind the light lists of tiles
+occlusion.py    which ambient occlusion a view has, how far it looks
+bloom.py        how widely a lens scatters light        exposure.py  what an eye has got used to
 depth_range.py  how deep an orthographic view is drawn
 light_groups.py what lights reach, one by one and in groups of neighbours
 passes/         one pass a file, its shader of the same name in shaders/passes
-shadows/        cascades of the first sun: fit, bias, who casts
+shadows/        cascades of the first sun, tiles of point and spot lights: fit, bias, who casts
 paths/          which passes make a frame, and which path is the cheapest
 programs.py     pipelines by what a batch or a pass needs; ahead.py: made in slices while the last picture stays
 hysteresis.py   facts that flicker stay on for a while

@@ -1,8 +1,9 @@
 """Bloom: the part of the light that a lens or an eye scatters, as a sum of halos, each twice as wide as the next.
 
-The halos are Gaussian in form and of equal weight, so that their sum falls off about as 1 / r^2, as glare does (Spencer,
-Shirley, Zimmerman, Greenberg 1995, "Physically-Based Glare Effects for Digital Images", eq. 1 to 6: between r^-1 and
-r^-3). Their widths are parts of the picture's height, so that a halo looks the same at every resolution.
+The halos are Gaussian in form and of equal weight, so that their sum falls off about as 1 / r^2, as glare does
+(Spencer, Shirley, Zimmerman, Greenberg 1995, "Physically-Based Glare Effects for Digital Images", has parts that fall
+off with the square and the cube of the angle). Their widths are parts of the picture's height, so that a halo looks the
+same at every resolution.
 """
 
 from __future__ import annotations

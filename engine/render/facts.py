@@ -37,6 +37,8 @@ class SceneFacts:
     ambient_occlusion: Occlusion = field(default_factory=Occlusion)
     local_shadows: int = 0  # width of the map of point and spot lights, texels; 0 where none casts
     bloom: Bloom = field(default_factory=Bloom)
+    auto_exposure: bool = False
+    fxaa: bool = False
 
     @property
     def depth_first(self) -> bool:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from engine.framegraph.compiled import CompiledGraph
 from engine.gpu.types import Bindings, Buffer, Device, RenderPass, Sampler, Texture
 from engine.render.draw_list import Batch, DrawList
+from engine.render.exposure import ExposureState
 from engine.render.facts import SceneFacts
 from engine.render.legends import Legend
 from engine.render.light_lists import LightLists
@@ -49,6 +50,7 @@ SCENE_COLOR_UNIT = 24
 AMBIENT_UNIT = 25
 LOCAL_SHADOW_UNIT = 26
 BLOOM_UNIT = 26
+EXPOSURE_UNIT = 27
 
 
 @dataclass(slots=True)
@@ -74,6 +76,7 @@ class RenderFrame:
     origin: NDArray[np.float64]
     shadows: SunShadows
     shadow_rows: NDArray[np.void]
+    exposure: ExposureState
     local_shadows: LocalShadows
     look: Mapping[str, Any] = field(default_factory=dict)
     pass_buffers: dict[str, Buffer] = field(default_factory=dict)
@@ -207,3 +210,5 @@ class Frame:
     path: Choice = field(default_factory=lambda: Choice("forward", 1, ""))
     #: what the colours of its debug view mean, where they are a ramp
     legend: Legend | None = None
+    #: False while the exposure is on its way: the next picture of the same scene is another
+    settled: bool = True

@@ -24,6 +24,7 @@ from engine.materials.effect import Effect
 from engine.materials.features import kept
 from engine.materials.library import EffectLibrary
 from engine.materials.variant import VariantRequest, shader_file, shadowing
+from engine.materials.versions import includes
 from engine.render.ahead import Ahead
 from engine.render.draw_list import DrawState, arena_streams, caster_state, casts_shadow
 from engine.render.facts import SceneFacts
@@ -77,6 +78,10 @@ class _PassShader:
 
     pipelines: dict[_ScreenRequest, Pipeline] = field(default_factory=dict)
     texts: dict[Path, str] = field(default_factory=dict)
+    #: of the last good version, where `poll` took another over that nobody settled
+    before: dict[Path, str] = field(default_factory=dict)
+    #: of the version that `go_back` took out of use, and why
+    refused: tuple[dict[Path, str], ShaderError] | None = None
 
 
 class Programs:
@@ -237,11 +242,10 @@ class Programs:
 
         def wanted() -> list[VariantRequest]:
             found: dict[VariantRequest, None] = {}
+            shadowed = facts.sun_shadows or facts.local_shadows > 0
             for _, state in states():
                 effect = self._effects.get(state.effect)
-                asked = _requests(
-                    state, arenas[state.arena], facts, effect, depth=facts.local_lights, shadow=facts.sun_shadows or facts.local_shadows > 0,
-                )
+                asked = _requests(state, arenas[state.arena], facts, effect, depth=facts.local_lights, shadow=shadowed)
                 for request in asked:
                     for index in range(self._count(effect, request.role, state, facts)):
                         found[replace(request, index=index)] = None
@@ -303,8 +307,10 @@ class Programs:
         return bool(self._watched.changed())
 
     def invalidate(self) -> None:
-        """Make the next `poll` compile all passes."""
+        """Make the next `poll` compile all passes, also what was refused."""
         self._watched.invalidate()
+        for shader in self._passes.values():
+            shader.refused = None
 
     def poll(self) -> list[str]:
         """Compile aside the passes whose files changed; the names of those taken over. All pipelines of a shader change
@@ -325,6 +331,8 @@ class Programs:
         try:
             for request in shader.pipelines:
                 made[request] = self._compile(request, texts, self._effects.search)
+            if shader.refused is not None and includes(shader.refused[0], texts):
+                raise shader.refused[1]
         except ShaderError as error:
             for pipeline in made.values():
                 pipeline.release()
@@ -332,9 +340,47 @@ class Programs:
             return False
         for pipeline in shader.pipelines.values():
             pipeline.release()
-        shader.pipelines, shader.texts = made, texts
+        shader.before = shader.before or shader.texts
+        shader.pipelines, shader.texts, shader.refused = made, texts, None
         self.pass_errors.pop(fragment, None)
         return True
+
+    def versions(self, fragment: str) -> tuple[dict[Path, str], dict[Path, str]] | None:
+        """The files of (the last good version, the one that `poll` took over since), as EffectLibrary.versions."""
+        shader = self._passes.get(fragment)
+        return (shader.before, shader.texts) if shader is not None and shader.before else None
+
+    def settle(self, fragment: str) -> None:
+        """The version in use is the good one now."""
+        if fragment in self._passes:
+            self._passes[fragment].before = {}
+
+    def go_back(self, fragment: str, error: ShaderError) -> bool:
+        """Run the version before; `pass_errors` has `error` until the files change. False where there is none."""
+        versions = self.versions(fragment)
+        if versions is None:
+            return False
+        self._run(fragment, versions[0])
+        self._passes[fragment].refused = (versions[1], error)
+        self.pass_errors[fragment] = error
+        return True
+
+    def go_forward(self, fragment: str) -> bool:
+        """Run the version that `go_back` took out of use all the same. False where that is not what stands."""
+        shader = self._passes.get(fragment)
+        if shader is None or shader.refused is None or self.pass_errors.get(fragment) is not shader.refused[1]:
+            return False
+        del self.pass_errors[fragment]
+        self._run(fragment, shader.refused[0])
+        shader.refused = None
+        return True
+
+    def _run(self, fragment: str, texts: dict[Path, str]) -> None:
+        """Another version, made from its texts when it is asked for."""
+        shader = self._passes[fragment]
+        for pipeline in shader.pipelines.values():
+            pipeline.release()
+        shader.pipelines, shader.texts, shader.before = {}, dict(texts), {}
 
     def _files(self, fragment: str, shader: _PassShader) -> set[Path]:
         search = self._effects.search

@@ -23,6 +23,7 @@ from engine.render.bloom import bloom_of, level_weights
 from engine.render.depth_range import fit_depth
 from engine.render.draw_list import DrawList
 from engine.render.environments import Environments, usable
+from engine.render.exposure import ExposureState
 from engine.render.facts import SceneFacts
 from engine.render.frame import Frame, RenderFrame
 from engine.render.gbuffer import bytes_per_pixel, layout_of, widest
@@ -97,6 +98,7 @@ class Renderer:
         self._shadows = SunShadows()
         self._local_shadows = LocalShadows(device)
         self._ambient_radius: tuple[object, float] = ((), 1.0)
+        self._exposure = ExposureState(device)
         #: holds on to facts that flicker
         self.hysteresis = Hysteresis()
         self._numbers: NumberCheck | None = None
@@ -159,11 +161,17 @@ class Renderer:
         if check is not None and view.settings.view == NONFINITE:
             check.show(graph.texture("color"))
         stats = self._stats(graph.transient_bytes)
+        if frame.facts.auto_exposure:
+            self._exposure.read(wait=view.seconds is None or device.caps.software)
+            stats.counters["auto_exposure_ev"] = round(self._exposure.stops, 3)
         device.end_frame()
         self.frames += 1
         hdr_texture = graph.texture("hdr_resolved") if hdr else None
         legend = frame.look["legend"]
-        return Frame(graph.texture("color"), hdr_texture, stats, graph, frame.facts, numbers, self.path, legend)
+        settled = not frame.facts.auto_exposure or self._exposure.settled
+        return Frame(
+            graph.texture("color"), hdr_texture, stats, graph, frame.facts, numbers, self.path, legend, settled
+        )
 
     def _begun(self, facts: SceneFacts) -> bool:
         """Whether no program of the scene would be waited for."""
@@ -207,7 +215,7 @@ class Renderer:
     def light_findings(self) -> Findings:
         """What was wrong with the IES profiles of the last frame's scene, and which lights go without shadow."""
         shadows = self._local_shadows.findings
-        return Findings([*self._light_tables.findings, *shadows]) if len(shadows) else self._light_tables.findings
+        return Findings(items=[*self._light_tables.findings, *shadows]) if len(shadows) else self._light_tables.findings
 
     @property
     def skin_findings(self) -> Findings:
@@ -228,6 +236,7 @@ class Renderer:
             self.light_lists,
             self._palettes,
             self._morphs,
+            self._exposure,
             self._view_buffer,
             self._local_shadows,
         ):
@@ -272,8 +281,9 @@ class Renderer:
         shown = wanted and bool((draws.casting & drawn).any()) and bool((draws.receiving & drawn).any())
         direction = self._lights.suns[0, 0, :3].copy() if shown else None
         if self._shadows.update(
-            scene, view, direction, self._visible, draws.casting & drawn, draws.receiving & drawn, self._look_of_casters(view)
-        ):
+            scene, view, direction, self._visible, draws.casting & drawn, draws.receiving & drawn,
+            self._look_of_casters(view),
+        ):  # fmt: skip
             draws.update_casters(self._shadows.casters)
         return shown
 
@@ -325,6 +335,7 @@ class Renderer:
             quality=str(settings.quality),
             stencil=self.draws.uses_stencil,
             ambient_occlusion=occlusion_of(settings, lit=lit, solid=self.draws.has_solid),
+            auto_exposure=settings.auto_exposure and settings.shading_view in LIT_LOOK,
             bloom=bloom_of(settings, view.width, view.height, shown=settings.shading_view in LIT_LOOK),
             area_lights=tables.area,
             light_profiles=tables.profiles,
@@ -346,9 +357,10 @@ class Renderer:
             light_count=self._lights.count, light_lists=self.light_lists, palettes=self._palettes.buffer,
             morphs=self._morphs.buffer,
             point_sampler=self._point_sampler, origin=origin, shadows=self._shadows, shadow_rows=block,
-            local_shadows=self._local_shadows,
+            local_shadows=self._local_shadows, exposure=self._exposure,
             look={
-                "exposure": scene.look.exposure + settings.exposure if settings.shading_view in LIT_LOOK else 0.0,
+                "exposure": _exposure(scene, view),
+                "subject": id(scene),
                 "background": (*(BLACK if settings.shading_view in ON_BLACK else environment.background_color), 1.0),
                 "background_blur": max(environment.background_blur, settings.background_blur),
                 "legend": self._legend(scene, view),
@@ -401,7 +413,8 @@ class Renderer:
             self.light_lists.prepare(lighting, view.width, view.height, lights)
             block["tiles"], block["clusters"] = self.light_lists.view_fields(lighting, view.camera.znear)
         smooth = bool(settings.alpha_to_coverage) and choice.samples > 1 and self.draws.has_cutouts
-        return replace(facts, lighting=lighting, samples=choice.samples, alpha_to_coverage=smooth)
+        fxaa = settings.antialias == "fxaa" and choice.samples == 1 and settings.shading_view in LIT_LOOK
+        return replace(facts, lighting=lighting, samples=choice.samples, alpha_to_coverage=smooth, fxaa=fxaa)
 
     def _techniques(self, effect: str) -> Mapping[str, object]:
         return self.residency.effects.get(effect).techniques
@@ -480,6 +493,14 @@ class Renderer:
 
 def _context(device: Device, graph: Any, item: Pass, frame: RenderFrame) -> PassContext:
     return PassContext(device, graph, item.name, frame.facts, frame)
+
+
+def _exposure(scene: Scene, view: View) -> float:
+    """Stops, besides what is metered."""
+    settings = view.settings
+    if settings.shading_view not in LIT_LOOK:
+        return 0.0
+    return float(settings.exposure) + (0.0 if settings.auto_exposure else scene.look.exposure)
 
 
 def _tone_map(scene: Scene, view: View) -> str:

@@ -61,6 +61,9 @@ class RenderSettings(ParamBlock):
         doc="level of effects' techniques; auto: the highest that the device can do",
     )  # fmt: skip
     samples: int = param(4, min=1, max=8, doc="anti-aliasing samples a pixel (1, 2, 4, 8; limited by the device)")
+    antialias: str = param(
+        "none", choices=("none", "fxaa"), doc="fxaa: smooths edges of the finished picture, with samples = 1"
+    )
     alpha_to_coverage: bool = param(True, doc="smooth edges of cut-outs, where a pixel has several samples")
     path: str = param(
         "auto", choices=PATH_CHOICES,
@@ -111,6 +114,16 @@ class RenderSettings(ParamBlock):
     ao_directions: int = param(2, min=1, max=16, doc="slices through each pixel (gtao, hbao)")
     ao_steps: int = param(8, min=1, max=64, doc="places on each side of a slice; alchemy: places in all")
     ao_half: bool = param(False, doc="look at every second row and column only")
+    auto_exposure: bool = param(
+        False, doc="brighten or darken by what is seen, in the place of the scene's exposure; `exposure` is added"
+    )
+    auto_low: float = param(0.4, min=0.0, max=1.0, step=0.01, doc="darker pixels than this part of them do not count")
+    auto_high: float = param(0.95, min=0.0, max=1.0, step=0.01, doc="and those that are brighter than this part")
+    auto_limit: float = param(16.0, min=0.0, max=32.0, step=0.5, unit="EV", doc="at most so much either way")
+    adapt_darker: float = param(
+        0.3, min=0.0, max=60.0, step=0.05, unit="s", doc="time to get used to brightness (63 %), while it moves"
+    )
+    adapt_brighter: float = param(1.0, min=0.0, max=60.0, step=0.05, unit="s", doc="time to get used to darkness")
     bloom: float = param(0.0, min=0.0, max=1.0, step=0.01, doc="part of the light that the lens scatters; 0 = none")
     bloom_radius: float = param(
         0.1, min=0.0, max=1.0, step=0.01, doc="width of the widest halo (its standard deviation) in picture heights"

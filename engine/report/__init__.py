@@ -2,6 +2,7 @@
 
 timers   CpuTimer, PassTimes            ─> stats      FrameStats (one frame: passes, counters) ─> JSON, overlays
 summary  median, IQR of repeated runs   ─> benches, experiments
+plot_sheet   curves and polar slices as a picture
 metrics  rmse, rel_mse, psnr, is_blank  <─ image      PNG and EXR in and out, atomic, same bytes for the same pixels
          angles, energy                    perceptual FLIP, SSIM (the extra `report`)
 

@@ -6,22 +6,28 @@
 
 An effect is only taken over when every variant that is drawn, and every one that its materials will ask for then, does
 compile. So is a material whose features changed. Values set in the editor outlive it all.
+
+The first picture by a new version is looked into before anyone sees it (`prove`): one that writes NaN or an infinity
+where the last good version has none goes back. Later frames are not looked into.
 """
 
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Protocol
 
-from engine.core.errors import InputError, LucarnaError, ShaderError
+from engine.core.errors import InputError, LucarnaError, Place, ShaderError
+from engine.core.toml_source import with_caret
 from engine.gpu.types import Device
 from engine.materials.effect import Effect
 from engine.materials.fit import fitted
+from engine.materials.library import EffectLibrary
 from engine.materials.variant import VariantRequest, shader_file
-from engine.report.number_check import NumberReport
+from engine.materials.versions import changes
+from engine.report.number_check import NumberReport, NumberRow
 from engine.resources.material_store import MaterialRecord
 from engine.resources.residency import Residency
 
@@ -39,6 +45,10 @@ class PassPrograms(Protocol):
     def invalidate(self) -> None: ...
     def poll(self) -> list[str]: ...
     def has_own(self, fragment: str) -> bool: ...
+    def versions(self, fragment: str) -> tuple[dict[Path, str], dict[Path, str]] | None: ...
+    def settle(self, fragment: str) -> None: ...
+    def go_back(self, fragment: str, error: ShaderError) -> bool: ...
+    def go_forward(self, fragment: str) -> bool: ...
 
 
 class Profiles(Protocol):
@@ -81,6 +91,10 @@ class Reloaded:
         return [*self.effects, *self.passes, *(path.name for path in (*self.materials, *self.profiles, *self.textures))]
 
 
+class NotFinite(ShaderError):
+    """A new version compiles, but writes NaN or infinities."""
+
+
 class HotReload:
     """Call `poll` every frame: it does nothing most times. `problems`: what is wrong now, each with its place."""
 
@@ -94,6 +108,9 @@ class HotReload:
         self._forgot_at = -1
         #: effects and passes that were taken over and whose numbers nobody has looked at yet
         self.unproven: tuple[str, ...] = ()
+        #: how often `prove` was called
+        self.proofs = 0
+        self._refused: tuple[str, ...] = ()
         self._nonfinite: LucarnaError | None = None
 
     @property
@@ -104,7 +121,7 @@ class HotReload:
     def standing(self) -> list[tuple[str, LucarnaError]]:
         """(what is shown meanwhile, what is wrong), each error once. previous: the last good version; built-in:
         Lucarna's own instead of the project's; magenta; ignored: all but that; nonfinite: the new version, which
-        compiles but writes NaN."""
+        compiles but writes NaN, as the one before did or because it was asked for."""
         found: dict[str, tuple[str, LucarnaError]] = {}
         for state, error in self._problems():
             found.setdefault(str(error), (state, error))
@@ -157,10 +174,7 @@ class HotReload:
             self.unproven = tuple(dict.fromkeys((*self.unproven, *names, *passes)))
             self._nonfinite = None
         if names or passes or materials:
-            self.residency.materials.structure_rev += 1
-            self.renderer.programs.forget()
-            effects.expect()
-            self._forgot_at = self.renderer.frames
+            self._ask_again()
         profiles = self.renderer.profiles.reread()
         textures = self.residency.reread_textures()
         if profiles or textures:
@@ -170,20 +184,93 @@ class HotReload:
             tuple(names), tuple(materials), tuple(passes), tuple(profiles), self.problems, ms, tuple(textures)
         )
 
-    def prove(self, numbers: NumberReport | None) -> None:
-        """Take note of what a check of the numbers found in a picture by the new versions; see `unproven`."""
+    def prove(self, draw: Callable[[], NumberReport | None]) -> bool:
+        """Look into the numbers of the picture by the new versions; see `unproven`. `draw` makes one with the versions
+        in use, shows it to nobody, and gives what the check found.
+
+        Where there is NaN or an infinity that the last good versions' picture has not, these run again and `problems`
+        says why. Where these have it too, the new ones are taken. Whether what was drawn last is by those in use now.
+        """
         names, self.unproven = self.unproven, ()
-        first = numbers.first if numbers is not None else None
-        if first is None or not names:
-            return
-        effects = self.residency.effects
-        file = next((shader_file(f, effects.search) for n in names for f in self._fragments(n)), None)
-        self._nonfinite = ShaderError(
-            f"{', '.join(names)} compiles, but pass {first.pass_name!r} now leaves {first.describe()}", where=file,
-            hint="guard divisions, roots and logarithms of 0; the view 'nonfinite' shows where",
-        )  # fmt: skip
+        self.proofs += 1
+        first = _first(draw())
+        if first is None:
+            for name in names:
+                self._part(name).settle(name)
+            return True
+        error = self._not_finite(names, first)
+        back = tuple(name for name in names if self._part(name).go_back(name, error))
+        if back:
+            self._swapped(back)
+            if _first(draw()) is None:
+                self._refused = back
+                return True
+            for name in back:
+                self._part(name).go_forward(name)
+            self._swapped(back)
+        self._nonfinite = error
+        return not back
+
+    @property
+    def refused(self) -> tuple[str, ...]:
+        """Effects and passes whose newest version compiles, but was sent back by `prove`."""
+        effects, passes = self.residency.effects.errors, self.renderer.programs.pass_errors
+        stands = [*effects.values(), *passes.values()]
+        return self._refused if any(isinstance(error, NotFinite) for error in stands) else ()
+
+    def draw_anyway(self) -> tuple[str, ...]:
+        """Take what `prove` sent back all the same; the names. Between the device's begin_frame and end_frame."""
+        errors = {**self.residency.effects.errors, **self.renderer.programs.pass_errors}
+        taken = tuple(name for name in self.refused if self._part(name).go_forward(name))
+        if taken:
+            told = errors[taken[0]]
+            self._nonfinite = told
+            self._swapped(taken)
+        self._refused = ()
+        return taken
 
     # --- inside ---
+
+    def _part(self, name: str) -> EffectLibrary | PassPrograms:
+        """Who has the versions of an effect, or of a pass shader, which is named like a file."""
+        return self.renderer.programs if Path(name).suffix else self.residency.effects
+
+    def _swapped(self, names: Iterable[str]) -> None:
+        """Another version of these is in use."""
+        for name in names:
+            if not Path(name).suffix:
+                self._unfit[name] = self.residency.adopt_effect(name)
+        self._ask_again()
+
+    def _ask_again(self) -> None:
+        self.residency.materials.structure_rev += 1
+        self.renderer.programs.forget()
+        self.residency.effects.expect()
+        self._forgot_at = self.renderer.frames
+
+    def _not_finite(self, names: Iterable[str], first: NumberRow) -> NotFinite:
+        """The error, at the place where the edit begins as far as that can be told."""
+        effects = self.residency.effects
+        texts: dict[Path, str] = {}
+        places: list[Place] = []
+        for name in names:
+            if Path(name).suffix:
+                passes = self.renderer.programs.versions(name)
+                old, new = passes or ({}, {})
+            else:
+                both = effects.versions(name)
+                old, new = (dict(both[0].texts), dict(both[1].texts)) if both is not None else ({}, {})
+            texts |= new
+            places += [place for place in changes(old, new) if place not in places]
+        told = f"{', '.join(names)} compiles, but pass {first.pass_name!r} now leaves {first.describe()}"
+        hint = "guard divisions, roots and logarithms of 0; the view 'nonfinite' shows where"
+        if not places:
+            files = [shader_file(f, effects.search) for name in names for f in self._fragments(name)]
+            return NotFinite(told, where=files[0] if files else None, hint=hint)
+        where, *others = places
+        told += f"; the change begins at line {where.line}"
+        told += f" (also changed: {', '.join(Path(p.file).name for p in others)})" if others else ""
+        return NotFinite(with_caret(told, texts[Path(where.file)], where), where=where, hint=hint)
 
     def _fragments(self, name: str) -> list[str]:
         """The fragment shaders of an effect, or the pass shader of that name."""
@@ -256,3 +343,7 @@ class HotReload:
         """previous, unless a variant of the effect never was good."""
         variants = [v for v in self.residency.effects.variants() if v.request.effect == effect]
         return "magenta" if not variants or any(v.pipeline is None for v in variants) else "previous"
+
+
+def _first(numbers: NumberReport | None) -> NumberRow | None:
+    return numbers.first if numbers is not None else None

@@ -165,6 +165,7 @@ def _light(light: Handle) -> dict[str, Any]:
         "inner_angle": _number(light.inner_angle, 0.0),
         "outer_angle": _number(light.outer_angle, 90.0),
         "on": light.cast_light,
+        "shadows": light.cast_shadows,
         "shape": ufbx.LightAreaShape(int(light.area_shape)).name.lower(),
     }
 

@@ -133,6 +133,7 @@ def _light(doc: FbxDocument, light: Json, distance: float, index: int) -> LightA
     if kind == "volume" or (kind == "area" and light.get("shape") != "rectangle"):
         doc.findings.info("fbx.light", f"a light of kind {kind} is imported as a point light", where)
     asset = LightAsset({"directional": "directional", "spot": "spot"}.get(kind, "point"))
+    asset.casts_shadow = asset.type != "directional" and bool(light.get("shadows", True))
     r, g, b = (max(float(v), 0.0) for v in light["color"])
     asset.color = (r, g, b)
     strength = max(float(light["intensity"]), 0.0) if light["on"] else 0.0

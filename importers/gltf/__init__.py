@@ -9,6 +9,7 @@ animations  channels -> ClipAsset                   reader      all of it, in or
 meshopt*    compressed buffer views -> bytes        draco       compressed primitives -> accessors (by DracoPy)
 light_profiles   IES files, carried along
 instances   one mesh, many places -> nodes          variants    materials by variant, kept; one chosen for import
+layers      KHR_materials_* layers <-> `layered`
 spec_gloss  old materials -> metal/rough images     extras      what authors added, and what is ours of it
 
 bytes -> container -> document -> { accessors -> meshes, animations; materials; nodes, skins } -> ImportedModel

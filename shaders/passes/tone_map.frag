@@ -13,6 +13,9 @@ layout(binding = 10) uniform sampler2DMS t_hdr;
 #else
 layout(binding = 10) uniform sampler2D t_hdr;
 #endif
+#if METERED
+layout(binding = 27) uniform sampler2D t_exposure;
+#endif
 layout(location = 0) out vec4 o_color;
 
 vec4 display(vec4 hdr)
@@ -25,7 +28,11 @@ vec4 display(vec4 hdr)
 #else
     // Every curve has long been white at 65504; beyond 1e19 the squares in some would overflow, and inf / inf is black.
     vec3 c = with_bloom(sanitise(hdr.rgb), ivec2(gl_FragCoord.xy), tone_map.bloom_kept, tone_map.bloom_scattered);
-    c = min(c * tone_map.exposure_scale, vec3(65504.0));
+    float scale = tone_map.exposure_scale;
+#if METERED
+    if (tone_map.adapted > 0.5) scale *= texelFetch(t_exposure, ivec2(0), 0).r;
+#endif
+    c = min(c * scale, vec3(65504.0));
 #if TONE_MAP == 1
     c = tone_map_agx(c);
 #elif TONE_MAP == 2

@@ -1,4 +1,4 @@
-"""Shaders edited, broken in five ways and mended in a real window: the picture is never lost, the place is right."""
+"""Shaders edited, broken in six ways and mended in a real window: the picture is never lost, the place is right."""
 
 from __future__ import annotations
 
@@ -20,6 +20,7 @@ EXPECTED = {
     "missing include": ("surface.frag:4:10", "did you mean 'lib/view.glsl'?"),
     "include cycle": ("brdf.glsl:3:10", "closes a cycle"),
     "unknown key": ("surface.effect.toml:3:1", "did you mean 'doc'?"),
+    "not finite": (r"surface.frag:", "the change begins at line"),
 }
 
 

@@ -34,8 +34,10 @@ def take(stage: Stage, spec: SceneSpec, folder: Path, *, force_all: bool = False
 def shoot(stage: Stage, spec: SceneSpec, camera: Any, *, force_all: bool) -> Pictures:
     settings = {
         "samples": spec.samples, "view": spec.view, "shadows": spec.shadows, "shadow_filter": spec.shadow_filter,
-        "ambient_occlusion": spec.ambient_occlusion,
-        "shadow_size": 64, "shadow_cascades": 2, "force_all": force_all,
+        "ambient_occlusion": spec.ambient_occlusion, "ao_radius": 0.5,
+        "bloom": spec.bloom, "auto_exposure": spec.auto_exposure, "antialias": spec.antialias,
+        "shadow_size": 64, "shadow_cascades": 2, "local_shadows": spec.local_shadows, "local_shadow_size": 256,
+        "force_all": force_all,
         "path": spec.path, "alpha_to_coverage": spec.cutouts_smooth,
     }  # fmt: skip
     frame = stage.runtime.render(stage.view(SIZE, camera, **settings), hdr=True)

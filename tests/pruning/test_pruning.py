@@ -23,6 +23,9 @@ LIT = replace(BARE, sun=2.0)
 #: a ball over a card, so that its shadow is seen
 SHADOWED = SceneSpec(bodies=(Body("sphere", 2), Body("card", 0, metallic=0.0)), lights=("directional",))
 
+#: two bodies that hide the surroundings from each other
+BESIDE = SceneSpec(bodies=(Body("cube", 0, metallic=0.0), Body("sphere", 1, metallic=0.0)))
+
 #: a cut-out card, seen with several samples
 LEAVES = replace(LIT, bodies=(Body("card", 1, "alpha_test", ("base_color_map",)),), samples=4)
 
@@ -49,8 +52,13 @@ TOGGLES: dict[str, tuple[SceneSpec, SceneSpec, tuple[str, ...]]] = {
     "sun_shadows": (replace(SHADOWED, shadows=False), SHADOWED, ()),
     "shadow_quality": (SHADOWED, replace(SHADOWED, shadow_filter="none"), ()),
     "ambient_occlusion": (
-        replace(SHADOWED, environment="uniform"),
-        replace(SHADOWED, environment="uniform", ambient_occlusion="gtao"), (),
+        replace(BESIDE, environment="uniform"), replace(BESIDE, environment="uniform", ambient_occlusion="gtao"), (),
+    ),
+    "bloom": (LIT, replace(LIT, bloom=0.3), ()),
+    "auto_exposure": (LIT, replace(LIT, auto_exposure=True), ()),
+    "fxaa": (LIT, replace(LIT, antialias="fxaa"), ()),
+    "local_shadows": (
+        replace(SHADOWED, lights=("point",)), replace(SHADOWED, lights=("point",), local_shadows="all"), (),
     ),
     "area_lights": (replace(BARE, lights=("point",)), replace(BARE, lights=("disk",)), ()),
     "light_profiles": (replace(BARE, lights=("point",)), replace(BARE, lights=("profile",)), ()),

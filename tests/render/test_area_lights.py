@@ -239,3 +239,18 @@ def test_a_profile_is_read_again_and_keeps_its_last_good_shape(matt: Stage, tmp_
 
 def _turned(axis: str, angle: float) -> tuple[float, ...]:
     return tuple(quat.from_axis_angle([float(axis == a) for a in "xyz"], angle).tolist())
+
+
+def test_a_light_of_another_kind_that_comes_later_shines(matt: Stage, surface) -> None:
+    """The surface shader without area lights, in use since the first picture, is no longer enough for the second."""
+    point, disk = LightAsset("point", intensity=1.0), LightAsset("disk", intensity=10.0, width=2.0, height=2.0)
+    matt.lamp(point, (0.0, 0.0, 1.0))
+    middle(matt)
+    matt.lamp(disk, (0.0, 0.0, 0.2), FACING)
+    later = middle(matt)
+    matt.dark()
+    matt.add(card(8.0), surface(base_color=(0.5, 0.5, 0.5, 1), metallic=0.0, specular=0.0))
+    matt.lamp(point, (0.0, 0.0, 1.0))
+    matt.lamp(disk, (0.0, 0.0, 0.2), FACING)
+    matt.runtime.renderer.programs.forget()
+    assert (later == middle(matt)).all()

@@ -1,4 +1,4 @@
-"""Bloom: it keeps the sum of light and what is constant, is as wide at every resolution, and is nothing where it is off."""
+"""Bloom keeps the sum of light and what is constant, is as wide at every resolution, and is nothing where it is off."""
 
 from __future__ import annotations
 
@@ -51,16 +51,16 @@ def test_what_is_constant_stays(stage) -> None:
 
 def test_as_the_sum_of_gaussians(stage, surface) -> None:
     """Against the same halos in float64: as near as a few splines are to a Gaussian; symmetric to the bit."""
-    size = (64, 64)
-    spark(stage, surface, size, pixels=2.0)
+    size = (96, 96)
+    spark(stage, surface, size, pixels=6.0)
     bare = shot(stage, size)
     lit = shot(stage, size, **ON)
     truth = 0.5 * bare + 0.5 * halos(bare, 0.1)
     assert np.abs(bare - bare[::-1]).max() == np.abs(bare - bare[:, ::-1]).max() == 0.0
     for turned in (lit[::-1], lit[:, ::-1], lit.transpose(1, 0, 2)):
         assert np.allclose(lit, turned, rtol=2e-3, atol=1e-4)
-    # so much of the moved light is elsewhere: what two halos below a pixel, and shorter tails, make of it
-    assert np.abs(lit - truth).sum() < 0.1 * np.abs(bare - truth).sum()
+    # a spline's tails are shorter than a Gaussian's: so much of the light that was moved is elsewhere
+    assert np.abs(lit - truth).sum() < 0.15 * np.abs(bare - truth).sum()
 
 
 @pytest.mark.parametrize("height", [48, 67, 96, 144])

@@ -35,8 +35,8 @@ def test_passes_are_left_out_with_a_reason(stage) -> None:
     frame = stage.runtime.render(view)
     left_out = {item.name for item in frame.graph.left_out}
     assert left_out == {
-        "shadow_cascades", "depth_prepass", "ambient_occlusion", "sky", "scene_color", "transparent", "light_heat",
-        "resolve",
+        "shadow_cascades", "local_shadows", "depth_prepass", "ambient_occlusion", "sky", "scene_color", "transparent",
+        "light_heat", "auto_exposure", "bloom", "resolve", "fxaa",
     }  # fmt: skip
     assert all(item.reason for item in frame.graph.left_out)
 

@@ -19,10 +19,10 @@ def said(gl_device: Device, tmp_path_factory: pytest.TempPathFactory) -> dict[st
 @pytest.mark.parametrize("name", [mistake.name for mistake in MISTAKES])
 def test_mistake(said: dict[str, Said], name: str) -> None:
     row = said[name]
-    assert row.picture_stays == row.mistake.stays, "the last good picture is lost"
+    assert row.picture_stays, "the last good picture is lost"
     assert row.mended, "something remains after it was mended"
     assert row.message
-    file, line = (row.place.split(":") + ["0"])[:2]
+    file, line = [*row.place.split(":"), "0"][:2]
     assert Path(file).as_posix() == row.mistake.file
     if row.mistake.line and "cycle" not in row.message and "unexpected '{'" not in row.message:
         # the driver says where it noticed, which is the line of the mistake or the next one

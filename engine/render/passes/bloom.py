@@ -85,9 +85,7 @@ class BloomPass(Pass):
         textures = {unit: (texture, frame.point_sampler) for unit, texture in inputs.items()}
         uniforms = {VIEW_BINDING: frame.view_buffer, PASS_BINDING: block}
         with ctx.device.compute_pass(shader.removesuffix(".comp")) as compute_pass:
-            compute_pass.set_pipeline(
-                frame.programs.compute(shader, block=BLOCK, block_name="bloom", defines=defines)
-            )
+            compute_pass.set_pipeline(frame.programs.compute(shader, block=BLOCK, block_name="bloom", defines=defines))
             compute_pass.set_bindings(Bindings(uniforms, {}, textures, {1: (out, 0, "write")}))
             compute_pass.dispatch(-(-out.desc.width // 8), -(-out.desc.height // 8))
 

@@ -68,7 +68,8 @@ class LightVolumesPass(Pass):
             render_pass.set_pipeline(pipeline)
             render_pass.set_bindings(
                 frame.light_bindings(
-                    {**gbuffer_inputs(ctx), **local_shadow_inputs(ctx)}, storage={LIGHT_BOUNDS_BINDING: frame.light_lists.bounds}
+                    {**gbuffer_inputs(ctx), **local_shadow_inputs(ctx)},
+                    storage={LIGHT_BOUNDS_BINDING: frame.light_lists.bounds},
                 )
             )
             render_pass.draw(6 * RINGS * SEGMENTS, count)

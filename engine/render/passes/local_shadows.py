@@ -1,4 +1,4 @@
-"""Depth of the scene as point and spot lights see it, in tiles of one map. A tile whose key is the last one is not drawn."""
+"""Depth of the scene as point and spot lights see it, in tiles of one map. What is as it was is not drawn."""
 
 from __future__ import annotations
 

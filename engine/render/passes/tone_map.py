@@ -13,6 +13,7 @@ from engine.gpu.glsl_layout import Field, layout
 from engine.gpu.types import ColorAttachment
 from engine.render.frame import INPUT_UNIT, PASS_BINDING, RenderFrame
 from engine.render.legends import VALUE_VIEWS, Legend
+from engine.render.passes.auto_exposure import EXPOSURE, exposure_inputs
 from engine.render.passes.bloom import HALO, bloom_inputs, bloom_parts
 from engine.render.settings import TONE_MAPS
 
@@ -22,7 +23,15 @@ MAX_EXPOSURE = 100.0
 BLOCK = layout(
     [
         Field(name, "float")
-        for name in ("exposure_scale", "ramp_scale", "ramp_offset", "ramp_log", "bloom_kept", "bloom_scattered")
+        for name in (
+            "exposure_scale",
+            "ramp_scale",
+            "ramp_offset",
+            "ramp_log",
+            "bloom_kept",
+            "bloom_scattered",
+            "adapted",
+        )
     ],
     rule="std140",
 )
@@ -35,6 +44,7 @@ class ToneMapPass(Pass):
     def declare(self, b: Builder) -> None:
         b.read("hdr")
         b.read(HALO, optional=True)
+        b.read(EXPOSURE, optional=True)
         b.create("color", "rgba8")
         b.present("color")
 
@@ -47,15 +57,17 @@ class ToneMapPass(Pass):
         if legend is not None and values:
             row["ramp_scale"], row["ramp_offset"], row["ramp_log"] = legend.mapping
         row["bloom_kept"], row["bloom_scattered"] = bloom_parts(frame)
-        block, scattered = frame.pass_block(self.name, row), bloom_inputs(ctx)
+        row["adapted"] = frame.facts.auto_exposure
+        block, scattered, metered = frame.pass_block(self.name, row), bloom_inputs(ctx), exposure_inputs(ctx)
         defines = {"TONE_MAP": TONE_MAPS.index(frame.facts.tone_map), "SAMPLES": frame.facts.samples}
-        defines["VALUES"], defines["BLOOM"] = int(values), int(bool(scattered))
+        defines |= {"VALUES": int(values), "BLOOM": int(bool(scattered)), "METERED": int(bool(metered))}
         pipeline = frame.programs.screen("tone_map.frag", block=BLOCK, block_name="tone_map", defines=defines)
         with ctx.device.render_pass(self.name, [ColorAttachment(ctx.texture("color"))]) as render_pass:
             render_pass.set_pipeline(pipeline)
             render_pass.set_bindings(
                 frame.view_bindings(
-                    {INPUT_UNIT: (ctx.texture("hdr"), frame.point_sampler), **scattered}, {PASS_BINDING: block}
+                    {INPUT_UNIT: (ctx.texture("hdr"), frame.point_sampler), **scattered, **metered},
+                    {PASS_BINDING: block},
                 )
             )
             render_pass.draw(3)

@@ -5,8 +5,10 @@ forward_plus.py depth first, light lists per tile, then as forward with the tile
 deferred.py     surfaces write a G-buffer; light volumes, or one compute pass over tiles, add the local lights
 choice.py       which path a frame takes, and why: asked for, or the cheapest by a cost model
 
-    shadows ─► depth ─► lists ─► opaque (lists) ─────────────────────► sky ─► transparent (lists) ─► tone map
-    shadows ─► opaque + G-buffer ─► lists ─► tiled shading / volumes ─► sky ─► transparent (lists) ─► tone map
+    shadows ─► depth ─► lists ─► opaque (lists) ─────────────────────► sky ─► transparent (lists) ─► lens
+    shadows ─► opaque + G-buffer ─► lists ─► tiled shading / volumes ─► sky ─► transparent (lists) ─► lens
+    lens: auto exposure meters ─► bloom ─► resolve (linear output) ─► tone map ─► FXAA; each only where it is wanted
+Where ambient occlusion is wanted, depth comes first in every path, and what it hides is known when surfaces are shaded.
 Surfaces of effects without a `gbuffer` technique (layers, other microfacet terms, toon) are drawn behind the lighting
 in the deferred paths, by all lights, unpacked in every path. Before `transparent` comes a copy of the picture where
 something shows what is behind it (passes/scene_color.py).

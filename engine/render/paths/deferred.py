@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from engine.framegraph.passes import Pass
 from engine.render.passes.ambient_occlusion import AmbientOcclusionPass
+from engine.render.passes.auto_exposure import AutoExposurePass
 from engine.render.passes.bloom import BloomPass
 from engine.render.passes.depth_prepass import DepthPrepass
+from engine.render.passes.fxaa import FxaaPass
 from engine.render.passes.light_culling import LightCullingPass
 from engine.render.passes.light_heat import LightHeatPass
 from engine.render.passes.light_resolve import LightResolvePass
@@ -24,16 +26,20 @@ from engine.render.passes.transparent import TransparentPass
 def deferred_passes() -> list[Pass]:
     """Each light's volume is drawn over what it reaches."""
     return [
-        ShadowCascadesPass(), LocalShadowsPass(), DepthPrepass(), AmbientOcclusionPass(), OpaquePass(), LightVolumesPass(),
-        LightResolvePass(), OpaqueForwardPass(), SkyPass(), LightCullingPass(), SceneColorPass(), TransparentPass(),
-        LightHeatPass(), BloomPass(), ResolvePass(), ToneMapPass(),
+        ShadowCascadesPass(), LocalShadowsPass(), DepthPrepass(), AmbientOcclusionPass(),
+        OpaquePass(), LightVolumesPass(),
+        LightResolvePass(), OpaqueForwardPass(), SkyPass(), LightCullingPass(),
+        SceneColorPass(), TransparentPass(),
+        LightHeatPass(), AutoExposurePass(), BloomPass(), ResolvePass(), ToneMapPass(), FxaaPass(),
     ]  # fmt: skip
 
 
 def tiled_deferred_passes() -> list[Pass]:
     """Lists of lights per tile, then one compute pass over the pixels."""
     return [
-        ShadowCascadesPass(), LocalShadowsPass(), DepthPrepass(), AmbientOcclusionPass(), OpaquePass(), LightCullingPass(),
-        TiledShadingPass(), OpaqueForwardPass(), SkyPass(), SceneColorPass(), TransparentPass(), LightHeatPass(),
-        BloomPass(), ResolvePass(), ToneMapPass(),
+        ShadowCascadesPass(), LocalShadowsPass(), DepthPrepass(), AmbientOcclusionPass(),
+        OpaquePass(), LightCullingPass(),
+        TiledShadingPass(), OpaqueForwardPass(), SkyPass(),
+        SceneColorPass(), TransparentPass(), LightHeatPass(),
+        AutoExposurePass(), BloomPass(), ResolvePass(), ToneMapPass(), FxaaPass(),
     ]  # fmt: skip

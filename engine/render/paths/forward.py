@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from engine.framegraph.passes import Pass
 from engine.render.passes.ambient_occlusion import AmbientOcclusionPass
+from engine.render.passes.auto_exposure import AutoExposurePass
 from engine.render.passes.bloom import BloomPass
 from engine.render.passes.depth_prepass import DepthPrepass
+from engine.render.passes.fxaa import FxaaPass
 from engine.render.passes.light_heat import LightHeatPass
 from engine.render.passes.local_shadows import LocalShadowsPass
 from engine.render.passes.opaque import OpaquePass
@@ -19,6 +21,7 @@ from engine.render.passes.transparent import TransparentPass
 
 def forward_passes() -> list[Pass]:
     return [
-        ShadowCascadesPass(), LocalShadowsPass(), DepthPrepass(), AmbientOcclusionPass(), OpaquePass(), SkyPass(), SceneColorPass(),
-        TransparentPass(), LightHeatPass(), BloomPass(), ResolvePass(), ToneMapPass(),
+        ShadowCascadesPass(), LocalShadowsPass(), DepthPrepass(), AmbientOcclusionPass(),
+        OpaquePass(), SkyPass(), SceneColorPass(), TransparentPass(), LightHeatPass(),
+        AutoExposurePass(), BloomPass(), ResolvePass(), ToneMapPass(), FxaaPass(),
     ]  # fmt: skip

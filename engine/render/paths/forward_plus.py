@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from engine.framegraph.passes import Pass
 from engine.render.passes.ambient_occlusion import AmbientOcclusionPass
+from engine.render.passes.auto_exposure import AutoExposurePass
 from engine.render.passes.bloom import BloomPass
 from engine.render.passes.depth_prepass import DepthPrepass
+from engine.render.passes.fxaa import FxaaPass
 from engine.render.passes.light_culling import LightCullingPass
 from engine.render.passes.light_heat import LightHeatPass
 from engine.render.passes.local_shadows import LocalShadowsPass
@@ -20,6 +22,7 @@ from engine.render.passes.transparent import TransparentPass
 
 def forward_plus_passes() -> list[Pass]:
     return [
-        ShadowCascadesPass(), LocalShadowsPass(), DepthPrepass(), AmbientOcclusionPass(), LightCullingPass(), OpaquePass(), SkyPass(),
-        SceneColorPass(), TransparentPass(), LightHeatPass(), BloomPass(), ResolvePass(), ToneMapPass(),
+        ShadowCascadesPass(), LocalShadowsPass(), DepthPrepass(), AmbientOcclusionPass(),
+        LightCullingPass(), OpaquePass(), SkyPass(), SceneColorPass(), TransparentPass(), LightHeatPass(),
+        AutoExposurePass(), BloomPass(), ResolvePass(), ToneMapPass(), FxaaPass(),
     ]  # fmt: skip

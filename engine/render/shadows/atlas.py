@@ -1,9 +1,9 @@
-"""How the atlas of local shadows is divided: which lights get tiles, how wide, and where. Pure: equal input, equal tiles.
+"""How the atlas of local shadows is divided: which lights get tiles, how wide, and where. Equal input, equal tiles.
 
-A light's importance on the screen is s = reach / distance from the camera, at most 1: the part of the picture's height,
-about, that what it lights can fill. It does not ask where the camera looks, so turning the camera moves no tile; and it is
-rounded to powers of two, so that walking seldom does. Brightness x s^2 decides who gives way when the atlas is full: the
-least important tiles are halved first, and at MIN_TILE the least important lights go without shadow.
+A light's importance on the screen is s = reach / distance from the camera, at most 1: about the part of the picture's
+height that what it lights can fill. It does not ask where the camera looks, so turning the camera moves no tile; and
+it is rounded to powers of two, so that walking seldom does. Brightness x s^2 decides who gives way when the atlas is
+full: the least important tiles are halved first, and at MIN_TILE the least important lights go without shadow.
 
 Widths are powers of two, so that laying them out from wide to narrow along a Morton curve leaves no gap (Morton 1966):
 whatever fits by area fits.
@@ -22,8 +22,8 @@ MIN_TILE = 32
 
 @dataclass(frozen=True, slots=True)
 class Tiles:
-    """`width` i8[n]: texels of each light's tiles, 0 = none; `corner` i8[n,6,2]: left and top of each (of a light with one
-    tile the first)."""
+    """`width` i8[n]: texels of each light's tiles, 0 = none; `corner` i8[n,6,2]: left and top of each (a light with one
+    tile has the first)."""
 
     width: NDArray[np.int64]
     corner: NDArray[np.int64]

@@ -1,8 +1,8 @@
 """What a tile of the atlas sees from its light: one square view along a spot, or one of the six around a point.
 
 A view is three unit axes (right, up, forward) and the tangent of half its angle. A spot's view is just wider than its
-cone; the views of a point are just wider than the cube's faces: by so many texels as a filter and the bias reach beyond the
-part that is looked up (`guard`), so that no lookup leaves its tile. A spot of more than WIDEST is looked at as a point.
+cone; the views of a point are just wider than the cube's faces: by so many texels as a filter and the bias reach beyond
+the part that is looked up (GUARD), so that no lookup leaves its tile. A spot beyond WIDEST is looked at as a point.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 F8 = NDArray[np.float64]
 
-#: half angle of the widest spot that one view takes: beyond, its texels would be more than twice as wide as in the middle
+#: half angle of the widest spot that one view takes: its texels see four times the angle in the middle than at the rim
 WIDEST = math.radians(60.0)
 #: texels of a tile on each side that only filters look into, per texel of the filter's radius, and besides
 GUARD_PER_RADIUS, GUARD = 2.5, 3.0
@@ -41,7 +41,7 @@ def spot_axes(direction: F8) -> F8:
 
 
 def cube_axes() -> F8:
-    """f8[6,3,3]: the axes of the faces +X, -X, +Y, -Y, +Z, -Z; they stand still in the world however a light is turned."""
+    """f8[6,3,3]: the axes of the faces +X, -X, +Y, -Y, +Z, -Z; still in the world however a light is turned."""
     faces = np.zeros((6, 3, 3))
     for face in range(6):
         axis = face // 2

@@ -1,4 +1,4 @@
-"""LocalShadows: the tiles of a frame's point and spot lights, who casts into each, and when one has to be drawn again."""
+"""LocalShadows: the tiles of a frame's point and spot lights, who casts into each, and when one must be drawn again."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ ROWS = 4
 
 @dataclass(frozen=True, slots=True)
 class Tile:
-    """A square of the atlas, in texels, and what it sees: `axes` f8[3,3] (rows right, up, forward) from `position` f8[3]
-    (world), `tangent` of half its angle. Equal `key`s are equal pictures."""
+    """A square of the atlas, in texels, and what it sees: `axes` f8[3,3] (rows right, up, forward) from `position`
+    f8[3] (world), `tangent` of half its angle. Equal `key`s are equal pictures."""
 
     x: int
     y: int
@@ -186,7 +186,7 @@ def _importance(view: View, lights: NDArray[np.void], center: F8, radius: F8) ->
 
 
 def _tile_rows(tile: Tile, atlas: int) -> NDArray[np.float32]:
-    """f4[ROWS,4]: right, middle u; up, middle v; forward, tangent; half width (uv), texel per metre, near, 1 texel (uv)."""
+    """f4[ROWS,4]: right, middle u; up, middle v; forward, tangent; half width (uv), texel per metre, near, uv texel."""
     rows = np.zeros((ROWS, 4), np.float32)
     rows[:3, :3] = tile.axes
     rows[0, 3], rows[1, 3] = (tile.x + tile.width / 2) / atlas, (tile.y + tile.width / 2) / atlas

@@ -30,6 +30,7 @@ MISTAKES = (
     ("missing include", FRAG, "lib/view.glsl", "lib/veiw.glsl"),
     ("include cycle", INCLUDE, "\n\n", '\n#include "lib/lights.glsl"\n'),
     ("unknown key", EFFECT, "\ndoc = ", "\ndok = "),
+    ("not finite", FRAG, LAST, "vec4(log(-dot(color, color) - 1.0))"),
 )
 #: what is selected, and a parameter of its material
 NODE, PARAM = "walnut plate", "base_color"
