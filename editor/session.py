@@ -45,7 +45,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class ChooseFile:
-    """A file to choose: `endings` in small letters, `start` a folder or the file chosen before, `take` gets the path."""
+    """A file to choose: `endings` in small letters, `start` a folder or the last file, `take` gets the path."""
 
     title: str
     endings: tuple[str, ...]

@@ -21,7 +21,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--source", action="store_true", help="an effect: its flattened sources and generated blocks")
     parser.add_argument("--features", default="", metavar="A,B", help="an effect: features of the sources shown")
-    parser.add_argument("--brdf", metavar="OUT.png", type=Path, help="a material: draw its lobe, albedo, furnace, terms")
+    parser.add_argument(
+        "--brdf", metavar="OUT.png", type=Path, help="a material: draw its lobe, albedo, furnace, terms"
+    )
     parser.add_argument("--incidence", metavar="DEGREES", type=float, default=45.0, help="with --brdf: of the light")
     parser.add_argument("--json", action="store_true", help="print one JSON object instead of text")
     parser.add_argument("--details", action="store_true", help="with --json: add what only this kind of file has")
@@ -43,7 +45,10 @@ def run(args: argparse.Namespace) -> int:
         return 0
     settings = SettingsResolver(preset=args.preset, flags=given_settings(args)).resolve(path).settings
     description, details, findings = describe(
-        path, settings, scene=args.scene, features=tuple(name for name in args.features.split(",") if name),
+        path,
+        settings,
+        scene=args.scene,
+        features=tuple(name for name in args.features.split(",") if name),
         pixels=args.pixels,
     )
     if args.json:

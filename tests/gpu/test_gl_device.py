@@ -174,6 +174,19 @@ def test_an_allocation_that_fails_is_a_device_error(gl_device: Device) -> None:
     assert gl_device.live_objects() == before
 
 
+def test_errors_of_the_windows_toolkit_are_not_ours(gl_device: Device, monkeypatch: pytest.MonkeyPatch) -> None:
+    size = 1 << 24
+    gl_device.gl.Enable(0xFFFF)  # type: ignore[attr-defined]  # the real backend's functions
+    with pytest.raises(DeviceError, match="INVALID_ENUM"):
+        gl_device.buffer(size, label="own")
+    monkeypatch.setattr(gl_device, "attached", True)
+    gl_device.gl.Enable(0xFFFF)  # type: ignore[attr-defined]  # as above
+    gl_device.buffer(size, label="in a window").release()
+    gl_device.gl.Enable(0xFFFF)  # type: ignore[attr-defined]  # as above
+    gl_device.texture(TextureDesc("d32f", 2048, 2048)).release()
+    gc.collect()
+
+
 def test_release_forgets_framebuffers_and_vertex_arrays(gl_device: Device) -> None:
     before = gl_device.live_objects()
     red_picture(gl_device)

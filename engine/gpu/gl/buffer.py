@@ -30,12 +30,14 @@ class GlBuffer(GlObject):
         if isinstance(data_or_size, (int, np.integer)):
             self.size = int(data_or_size)
             validate.buffer_range(label, self.size, 0, self.size)
+            device.before_allocation(self.size)
             device.gl.NamedBufferData(self.id, max(self.size, MINIMUM_BYTES), None, e.DYNAMIC_DRAW)
             # fresh memory may hold another program's bytes
             device.gl.ClearNamedBufferData(self.id, e.R8UI, e.RED_INTEGER, e.UNSIGNED_BYTE, None)
         else:
             address, self.size, keep = address_of(data_or_size)
             allocated = max(self.size, MINIMUM_BYTES)
+            device.before_allocation(self.size)
             device.gl.NamedBufferData(self.id, allocated, address if self.size == allocated else None, e.DYNAMIC_DRAW)
             if 0 < self.size < allocated:
                 device.gl.NamedBufferSubData(self.id, 0, self.size, address)

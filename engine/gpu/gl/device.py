@@ -244,6 +244,11 @@ class GlDevice:
         if GlDevice._current is not self:
             self.make_current()
 
+    def before_allocation(self, size: int) -> None:
+        """What the window's toolkit left undone is not to be taken for a failure of ours."""
+        if self.attached and size >= LARGE_BYTES:
+            self._errors.discard()
+
     def check_allocation(self, what: str, size: int) -> None:
         """Raise DeviceError where a large allocation failed; small ones are not worth the question."""
         if size >= LARGE_BYTES:

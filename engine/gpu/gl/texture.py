@@ -37,6 +37,7 @@ class GlTexture(GlObject):
         self.target = target_of(desc)
         self.internal = internal_format(desc.format)
         self._device = device
+        device.before_allocation(formats.texture_bytes(desc))
         super().__init__(device.objects, device.objects.create("texture", self.target))
         gl = device.gl
         if desc.samples > 1:

@@ -1,5 +1,5 @@
-"""Blended surfaces, back to front, over what is there. Nearer opaque surfaces hide them; they write no depth. Transmissive
-ones among them do, and see what is behind them in a copy of the picture (scene_color.py)."""
+"""Blended surfaces, back to front, over what is there. Nearer opaque surfaces hide them; they write no depth.
+Transmissive ones among them do, and see what is behind them in a copy of the picture (scene_color.py)."""
 
 from __future__ import annotations
 
