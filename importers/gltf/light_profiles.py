@@ -40,7 +40,7 @@ def profiled_light(doc: Document, reference: JsonObject, where: str) -> LightAss
     r, g, b = doc.vector(reference, "color", place, (1.0, 1.0, 1.0))
     color = (min(max(r, 0.0), 1.0), min(max(g, 0.0), 1.0), min(max(b, 0.0), 1.0))
     multiplier = doc.number(reference, "multiplier", place, 1.0, 0.0, 3e38)
-    return LightAsset("point", color, multiplier, profile=f"#{number}", casts_shadow=True)
+    return LightAsset("point", color, multiplier, profile=f"#{number}")
 
 
 def read_profiles(doc: Document, container: Container, accessors: Accessors, model: ImportedModel) -> None:

@@ -165,7 +165,6 @@ def _light(doc: Document, reference: JsonObject, where: str) -> LightAsset | Non
         doc.number(light, "intensity", path, 1.0, 0.0, 3e38),
         doc.number(light, "range", path, 0.0, 0.0, 3e38),
     )
-    asset.casts_shadow = asset.type != "directional"  # glTF has no word for it; lamps do not shine through walls
     if asset.type == "spot":
         spot = doc.child(light, "spot", path)
         asset.outer_angle = doc.number(spot, "outerConeAngle", f"{path}.spot", math.pi / 4, 1e-4, math.pi / 2)
