@@ -85,7 +85,7 @@ def _is_image(head: bytes) -> bool:
 
 
 IMPORTERS = (
-    Importer("glTF", "importers.gltf.reader", (".gltf", ".glb"), 4, _is_gltf),
+    Importer("glTF", "importers.gltf.reader", (".gltf", ".glb"), 5, _is_gltf),
     Importer("FBX", "importers.fbx.reader", (".fbx",), 3, _is_fbx),
     Importer("image", "importers.images.reader", IMAGES, 1, _is_image, in_folders=False),
     Importer("Ogre", "importers.ogre.reader", (".mesh", ".mesh.xml"), 1, is_ogre),
