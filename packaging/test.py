@@ -12,6 +12,7 @@ import shutil
 import subprocess
 import sys
 import time
+from pathlib import Path
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -97,6 +98,8 @@ def main(arguments: list[str]) -> int:
         bootstrap.say(str(error))
         return 3
     environment = test_environment(os.environ)
+    # Mesa makes no parents of its folder: without them it would keep nothing, and compile each shader again and again
+    Path(environment["MESA_SHADER_CACHE_DIR"]).mkdir(parents=True, exist_ok=True)
     todo = steps(setup, arguments, virtual_display=wants_virtual_display(environment))
     outcomes = [run(step, environment) for step in todo]
     print("\n" + summary(outcomes), flush=True)

@@ -6,8 +6,8 @@ It would keep surfaces before a volume from the shader: on the atrium with 1,024
 through (478 pixels a light at 160x90 against 279), among thin poles 72 % (208 against 57); `lucarna report lights`
 counts them. But it takes two draws and a state change a light, 2,048 draws a frame here, as volumes that
 overlap cannot share a stencil; and such a pixel costs this shader one depth fetch and one compare before it
-is let go. A software rasteriser, where nothing is let go early, has the tiled path, which is faster from about 64
-lights on.
+is let go. A software rasteriser, where nothing is let go early, has the tiled path, which is faster from about a
+hundred lights on.
 
 The three-pass form (an option) gathers light apart from surfaces: it reads the first word pair of the G-buffer only and
 blends half floats. Its specular light has one colour a pixel and no Fresnel term, so its picture is an approximation.
