@@ -12,9 +12,9 @@ import shutil
 import subprocess
 import sys
 import time
-from pathlib import Path
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import _interpreter  # first of ours: leaves when this Python is too old
 import bootstrap
