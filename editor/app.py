@@ -9,7 +9,7 @@ from typing import Any
 
 from imgui_bundle import hello_imgui, imgui
 
-from editor import file_drop, keys, layout, menus, recovering, theme
+from editor import dropping, file_drop, keys, layout, menus, recovering, theme
 from editor.dialogs import Dialogs
 from editor.dialogs.modals import draw_error_bar
 from editor.operations import Operations
@@ -139,6 +139,8 @@ class App:
         io.config_flags &= ~imgui.ConfigFlags_.nav_enable_gamepad
         io.config_drag_click_to_input_text = True
         io.config_input_text_enter_keep_active = False
+        context = imgui.get_current_context()
+        context.config_nav_windowing_key_next = context.config_nav_windowing_key_prev = 0  # Ctrl+Tab is ours
         io.config_windows_move_from_title_bar_only = True  # a drag on the gizmo is no drag of the window
 
     def _post_init(self) -> None:
@@ -147,17 +149,15 @@ class App:
             io = imgui.get_io()
             io.backend_flags |= imgui.BackendFlags_.renderer_has_textures
         else:
-            self._drop = file_drop.install(_glfw_window(), self._dropped)
+            self._drop = file_drop.install(_glfw_window(), self.dropped)
             session.shaders.wake = waker() or session.shaders.wake
             session.asset_pictures.wake = session.shaders.wake
         if session.device is None:
             session.device = session.host.open_device(attach=not self.null_platform)
 
-    def _dropped(self, paths: list[Path]) -> None:
-        if paths:
-            self.ui.session.open(paths[0])
-        for path in paths[1:]:
-            self.ui.session.messages.info("Only the first of the dropped files was opened", where=str(path))
+    def dropped(self, paths: list[Path]) -> None:
+        """Files were dropped on the window."""
+        dropping.take(self.ui.session, paths)
 
     # --- the frame ---
 
@@ -263,12 +263,11 @@ class App:
         session = self.ui.session
         if session.job is not None:
             session.job.cancel()
-        if self.failure is not None and session.journal is not None:  # a defect must cost no edits
-            session.journal.leave()
-            session.journal = None
+        if self.failure is not None:  # a defect must cost no edits
+            recovering.leave(session)
         session.shaders.stop()
         session.asset_pictures.stop()
-        session.close()
+        session.close_all()
         session.asset_pictures.forget(session)
         drop_context()
         session.remember()

@@ -8,6 +8,8 @@ from pathlib import Path
 
 from editor import camera_controls, numbers, report, work
 from editor.animating.operations import add_animation_operations
+from editor.direct_operations import add_direct_operations
+from editor.document_operations import add_document_operations
 from editor.editing_operations import add_editing_operations
 from editor.material_operations import add_material_operations
 from editor.navigation import PRESETS
@@ -144,14 +146,14 @@ def _scale(step: float) -> Callable[[Session], None]:
 
 def close_document(session: Session) -> None:
     if session.document is not None and session.document.dirty:
-        session.ui.after_discard = session.close
+        session.ask_discard(session.close)
     else:
         session.close()
 
 
 def reload_document(session: Session) -> None:
     if session.document is not None:
-        session.open(Path(session.document.source))
+        session.open(Path(session.document.source), again=True)
 
 
 def hide_selection(session: Session) -> None:
@@ -410,7 +412,9 @@ def builtin_operations() -> Operations:
     add("help.about", "About Lucarna", _ask("about"), menu="Help", separator=True)
     add_material_operations(ops)
     add_editing_operations(ops)
+    add_document_operations(ops)
     add_animation_operations(ops)
+    add_direct_operations(ops)
     return ops
 
 

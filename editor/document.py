@@ -45,6 +45,8 @@ class Document:
         self.isolated: dict[int, bool] | None = None
         #: camera bookmarks by number
         self.bookmarks: dict[int, Any] = {}
+        #: the script line of the operation that runs now, or '' (see editor.scripting)
+        self.doing = ""
         #: where this document was saved in this session, or None
         self.saved_to: Path | None = None
         self._bounds: dict[tuple[int, ...], tuple[NDArray[np.float64], NDArray[np.float64]]] = {}

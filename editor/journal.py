@@ -222,6 +222,7 @@ def edit_to_plain(edit: Edit) -> dict[str, Any]:
             "selection": edit.selection,
             "overrides": [[[*key, value] for key, value in side.items()] for side in edit.overrides],
             "label": edit.label,
+            "line": edit.line,
         }
     assert isinstance(edit, Command)
     return {
@@ -237,7 +238,7 @@ def edit_from_plain(data: Mapping[str, Any], document: Document) -> Edit:
         before, after = (side_from_plain(data[side], scene) for side in ("before", "after"))
         old, new = ({(t, c, int(r)): _tuples(v) for t, c, r, v in side} for side in data["overrides"])
         first, second = (tuple(int(r) for r in rows) for rows in data["selection"])
-        return StructureCommand(ScenePatch(before, after), (first, second), (old, new), str(data["label"]))
+        return StructureCommand(ScenePatch(before, after), (first, second), (old, new), str(data["label"]), str(data.get("line", "")))
     rows = tuple(int(r) for r in data["rows"])
     return Command(
         str(data["table"]), str(data["column"]), rows, _tuples(data["before"]), _tuples(data["after"]), data["label"]

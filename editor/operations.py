@@ -1,15 +1,25 @@
-"""Operations: everything a user can do by name. Menu, palette, keys and tests are doors to the same functions.
+"""Operations: everything a user can do by name. Menu, palette, keys, console, scripts and tests are doors to the same
+functions, and what was done is written down as the line of a script that does it again.
 
 A shortcut is written `Ctrl+Shift+P`; single letters work while no text field has the focus. No imgui here.
 """
 
 from __future__ import annotations
 
+import difflib
+import random
+from collections import deque
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import Any
 
+from editor import scripting
+from editor.arguments import Argument, checked
 from editor.session import Session
 from engine.core.errors import UsageError
+
+#: how many lines of what was done are kept
+LOG_LIMIT = 2000
 
 
 def always(session: Session) -> bool:
@@ -19,17 +29,26 @@ def always(session: Session) -> bool:
 @dataclass(frozen=True, slots=True)
 class Operation:
     """`id` is stable (`view.frame-all`). `menu`: one of menus.MENUS, or '' for the palette only.
-    `checked` makes it a toggle."""
+    `checked` makes it a toggle. `run` gets the session and its `arguments` by name; one with a required argument is
+    for scripts, the console and the palette, which asks. `sample` makes arguments up for tests where those of their
+    declarations would mostly be refused."""
 
     id: str
     label: str
-    run: Callable[[Session], None]
+    run: Callable[..., None]
     menu: str = ""
     shortcuts: tuple[str, ...] = ()
     enabled: Callable[[Session], bool] = always
     checked: Callable[[Session], bool] | None = None
     separator: bool = False
     doc: str = ""
+    arguments: tuple[Argument, ...] = ()
+    sample: Callable[[Session, random.Random], dict[str, Any]] | None = None
+
+    @property
+    def asks(self) -> bool:
+        """Whether it cannot run without being told something."""
+        return any(a.required for a in self.arguments)
 
 
 class Operations:
@@ -38,6 +57,10 @@ class Operations:
     def __init__(self) -> None:
         self._by_id: dict[str, Operation] = {}
         self._by_shortcut: dict[str, str] = {}
+        #: lines of a script for what was run, the newest last
+        self.log: deque[str] = deque(maxlen=LOG_LIMIT)
+        #: grows with every line
+        self.logged = 0
 
     def add(self, operation: Operation) -> None:
         assert operation.id not in self._by_id, f"operation {operation.id} is registered twice"
@@ -52,14 +75,31 @@ class Operations:
     def __getitem__(self, id: str) -> Operation:
         return self._by_id[id]
 
-    def run(self, id: str, session: Session) -> bool:
-        """Run an operation by id; False when it is not enabled now. Raises UsageError for an unknown id."""
+    def __contains__(self, id: str) -> bool:
+        return id in self._by_id
+
+    def remove(self, id: str) -> None:
+        """Take an operation away (a plug-in's)."""
+        operation = self._by_id.pop(id)
+        for shortcut in operation.shortcuts:
+            self._by_shortcut.pop(shortcut, None)
+
+    def run(self, id: str, session: Session, **given: Any) -> bool:
+        """Run an operation by id; False when it is not enabled now. Raises UsageError for an unknown id and for
+        arguments that it does not take."""
         operation = self._by_id.get(id)
         if operation is None:
-            raise UsageError(f"there is no operation {id!r}", hint="see the command palette for their names")
+            near = difflib.get_close_matches(id, self._by_id, 1)
+            hint = f"did you mean {near[0]!r}?" if near else "see the command palette for their names"
+            raise UsageError(f"there is no operation {id!r}", hint=hint)
         if not operation.enabled(session):
             return False
-        operation.run(session)
+        values = checked(operation.arguments, given, session, id)
+        line = scripting.call(session, id, given)
+        self.log.append(line)
+        self.logged += 1
+        with scripting.doing(session, line):
+            operation.run(session, **values)
         return True
 
     def shortcuts(self) -> dict[str, str]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from editor import tabs
 from editor.document import Document
 from editor.journal import Journal, Recovery, discard, replay
 from engine.core.errors import LucarnaError
@@ -23,13 +24,27 @@ def start(session: Session, document: Document) -> None:
 
 
 def keep(session: Session) -> None:
-    """Once a frame: snapshots, and a word when the journal cannot be written."""
-    if session.journal is not None and not session.interacting:
-        session.journal.tick()
-        if session.journal.problem:
-            session.messages.warn(f"Edits are no longer kept for a recovery: {session.journal.problem}")
-            session.journal.leave()
-            session.journal = None
+    """Once a frame: snapshots, and a word when a journal cannot be written."""
+    if session.interacting:
+        return
+    for journal, tab in list(tabs.journals(session)):
+        journal.tick()
+        if journal.problem:
+            session.messages.warn(f"Edits are no longer kept for a recovery: {journal.problem}")
+            journal.leave()
+            if tab is None:
+                session.journal = None
+            else:
+                tab.journal = None
+
+
+def leave(session: Session) -> None:
+    """The session dies of a defect: what was edited waits for the next start."""
+    for journal, tab in list(tabs.journals(session)):
+        journal.leave()
+        if tab is not None:
+            tab.journal = None
+    session.journal = None
 
 
 def recover(session: Session, recovery: Recovery) -> bool:
@@ -43,7 +58,8 @@ def recover(session: Session, recovery: Recovery) -> bool:
         return False
     document = Document(resolved, runtime)
     document.base_path = recovery.base
-    session.adopt(document)
+    open_one = tabs.find(session, document.source)
+    session.adopt(document, beside=open_one >= 0 and session.tabs[open_one].document.dirty)
     try:
         replay(document, recovery.path)
     except LucarnaError as error:

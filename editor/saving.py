@@ -154,7 +154,8 @@ def _restructured(scene: Any, base: SceneAsset, overrides: Mapping[tuple[str, st
 
 
 def _carry_profiles(asset: SceneAsset, folder: Path) -> list[Path]:
-    """Copy light profiles that lie elsewhere to `folder` and name them there in `asset`; returns the copies."""
+    """Copy light profiles and the panorama that lie elsewhere to `folder` and name them there in `asset`; returns the
+    copies."""
     written = []
     for node in asset.nodes:
         if node.light is not None and node.light.profile and not _inside(node.light.profile):
@@ -162,6 +163,11 @@ def _carry_profiles(asset: SceneAsset, folder: Path) -> list[Path]:
             node.light = replace(node.light, profile=source.name)
             if _copy(source, folder / source.name):
                 written.append(folder / source.name)
+    lit_by = Path(asset.environment.path)
+    if asset.environment.path and lit_by.is_absolute():
+        asset.environment.path = lit_by.name
+        if _copy(lit_by, folder / lit_by.name):
+            written.append(folder / lit_by.name)
     return written
 
 

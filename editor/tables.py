@@ -136,17 +136,21 @@ class AssetTable:
 
 
 class RecordTable:
-    """One dataclass as a table of a single row 0 (the environment, the look)."""
+    """One dataclass as a table of a single row 0 (the environment, the look); `a,b` are two fields at once."""
 
     def __init__(self, record: Any) -> None:
         self._record = record
 
     def read(self, column: str, rows: Sequence[int]) -> tuple[Any, ...]:
+        if "," in column:
+            return tuple(tuple(plain(getattr(self._record, name)) for name in column.split(",")) for _ in rows)
         return tuple(plain(getattr(self._record, column)) for _ in rows)
 
     def write(self, column: str, rows: Sequence[int], values: Sequence[Any]) -> None:
         for value in values:
-            setattr(self._record, column, value)
+            names = column.split(",")
+            for name, part in zip(names, value if len(names) > 1 else (value,), strict=True):
+                setattr(self._record, name, part)
 
 
 class MaterialTable:

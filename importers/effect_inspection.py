@@ -102,7 +102,7 @@ def _finite(value: float) -> float | None:
 def _sources(effect: Effect, search: list[Path], features: frozenset[str]) -> Description:
     """stage -> lines `file:line | code` of the first technique."""
     from engine.materials.variant import VariantRequest, describe
-    from engine.render.programs import SCENE_PRELUDE
+    from engine.render.blocks import SCENE_PRELUDE
     from engine.resources.arena import OBJECT_ATTRIBUTE
 
     if not effect.techniques:

@@ -33,6 +33,8 @@ class StructureCommand:
     selection: tuple[tuple[int, ...], tuple[int, ...]] = ((), ())
     overrides: tuple[Overrides, Overrides] = field(default=({}, {}))
     label: str = ""
+    #: the line of a script that makes this change (see editor.scripting), or ''
+    line: str = ""
 
     @property
     def target(self) -> tuple[str, str, tuple[int, ...]]:
@@ -47,7 +49,7 @@ class StructureCommand:
         return False
 
     def inverse(self) -> StructureCommand:
-        return StructureCommand(self.patch.inverse(), self.selection[::-1], self.overrides[::-1], self.label)
+        return StructureCommand(self.patch.inverse(), self.selection[::-1], self.overrides[::-1], self.label, self.line)
 
     def followed_by(self, later: Any) -> StructureCommand:
         raise AssertionError("structural edits are entries of their own")
@@ -78,7 +80,7 @@ def change(document: Document, label: str, make: Callable[[], Sequence[int]]) ->
     living = {name: getattr(scene, name).alive for name in ("nodes", "lights", "cameras")}
     living["drifts"] = living["nodes"]
     kept = {k: v for k, v in document.overrides.items() if k[0] not in living or living[k[0]][k[2]]}
-    document.history.do(StructureCommand(patch, (selected, after), (overrides, kept), label))
+    document.history.do(StructureCommand(patch, (selected, after), (overrides, kept), label, document.doing))
 
 
 def tops(document: Document, rows: Sequence[int]) -> list[int]:

@@ -6,7 +6,7 @@ from imgui_bundle import imgui
 
 from editor.dialogs.files import FileDialog
 from editor.panels.folder_listing import Entry
-from editor.session import ChooseFile
+from editor.requests import ChooseFile
 from editor.ui import Ui
 
 

@@ -83,21 +83,20 @@ class DiscardModal:
         center_next_window(26)
         if not begin_card(self.NAME, modal=True):
             return
-        if pending is None or not session.unsaved:
+        if pending is None or not session.asked_about:
             session.ui.after_discard = None
             imgui.close_current_popup()
         else:
             with bold(ui):
-                imgui.text_unformatted(f"{icons.WARNING}  {', '.join(session.unsaved)}: unsaved changes")
+                imgui.text_unformatted(f"{icons.WARNING}  {', '.join(session.asked_about)}: unsaved changes")
             if session.document is not None and session.document.dirty:
                 text(f"{len(session.document.history.entries)} edits since it was opened or saved", theme.DIM)
             imgui.spacing()
-            if imgui.button("Save", (em(6), 0)) and session.save_all():
+            if imgui.button("Save", (em(6), 0)) and (session.save_all() if session.ui.discard_all else session.save()):
                 self._go(ui)
             imgui.same_line()
             if imgui.button("Discard", (em(6), 0)):
-                if session.document is not None:
-                    session.document.history.mark_saved()
+                session.discard()
                 self._go(ui)
             imgui.same_line()
             if imgui.button("Cancel", (em(6), 0)) or imgui.is_key_pressed(imgui.Key.escape) or session.ui.save_dialog:

@@ -14,7 +14,7 @@ from imgui_bundle import imgui
 from editor import icons, theme
 from editor.document import Document
 from editor.param_widgets import param_row
-from editor.session import ChooseFile
+from editor.requests import ChooseFile
 from editor.ui import Ui
 from editor.widgets import em, icon_button, property_grid, property_row, property_text, section, text
 from engine.assets.ies import PhotometricProfile, read_ies

@@ -16,7 +16,7 @@ from editor.panels.base import ASSET
 from editor.param_groups import facts_of, grouped
 from editor.param_widgets import format_value, param_row
 from editor.picture_texture import PICTURES
-from editor.session import ChooseFile
+from editor.requests import ChooseFile
 from editor.tables import FEATURES, QUEUE
 from editor.ui import Ui
 from editor.widgets import (

@@ -10,7 +10,8 @@ from imgui_bundle import imgui
 from editor import icons, theme
 from editor.panels.base import ASSET, Panel
 from editor.preview import BACKDROPS, FILE, LIGHTS, MESH, SELECTED, Preview
-from editor.session import ChooseFile, shader_root
+from editor.requests import ChooseFile
+from editor.session import shader_root
 from editor.ui import Ui
 from editor.widgets import em, empty_state, fitted_text, icon_button, pretty, text, tooltip
 from engine.assets.preview_shapes import SHAPES

@@ -21,7 +21,7 @@ from editor import (
 from editor.camera_controls import OrbitCamera
 from editor.gizmo_widget import GizmoWidget
 from editor.navigation import WHEEL, motion_for
-from editor.panels import timeline, viewport_strip
+from editor.panels import document_tabs, timeline, viewport_strip
 from editor.panels.base import Panel
 from editor.panels.timings import short_count
 from editor.ui import Ui
@@ -63,6 +63,7 @@ class ViewportPanel(Panel):
             self.motion, self.flying = "", False
             _start_page(ui)
             return
+        document_tabs.draw(ui)
         viewport_strip.draw(ui)
         imgui.set_cursor_pos((0, imgui.get_cursor_pos_y() + em(0.1)))
         avail = imgui.get_content_region_avail()

@@ -42,6 +42,7 @@ class MaterialStage:
     def __init__(self, runtime: Runtime) -> None:
         self.runtime = runtime
         self.renderer = Renderer(runtime.device, runtime.residency, profile=False)
+        self.renderer.leads = False
         self.renderer.environments.release()
         self.renderer.environments = runtime.renderer.environments  # baked once for both
         self.scene = Scene("material")

@@ -18,8 +18,8 @@ from engine.experiments.harness.experiment import Experiment, Knobs, Outcome, Tr
 from engine.gpu.preprocess import flatten
 from engine.gpu.types import Bindings, ComputePipelineDesc, Device, Pipeline, SamplerDesc, Texture, TextureDesc
 from engine.math import ggx, ltc
+from engine.render.blocks import LIGHT_PRELUDE
 from engine.render.light_rows import LIGHT_LAYOUT
-from engine.render.programs import LIGHT_PRELUDE
 from engine.report.records import Extreme, Floor
 
 F8 = NDArray[np.float64]

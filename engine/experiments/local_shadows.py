@@ -8,33 +8,34 @@ rmse here and moves no edge: `misclassified` counts pixels where one says more a
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from engine.core.errors import InputError, LucarnaError
+from engine.core.errors import InputError
 from engine.experiments.harness.context import Context, OpenScene
 from engine.experiments.harness.experiment import Experiment, Knobs, Order, Outcome, Trial
 from engine.experiments.harness.pictures import beside_truth
+from engine.experiments.harness.pixel_truth import (
+    PixelTruth,
+    brightness,
+    greys,
+    redrawn,
+    shadow_errors,
+    truth,
+    truths,
+)
+from engine.experiments.harness.pixel_truth import picture_size as size
 from engine.experiments.harness.scenes import LIVE, MADE, open_scene, own_or, short
-from engine.math.color import to_u1
 from engine.render.settings import RenderSettings
 from engine.render.view import View
 from engine.report.perceptual import flip
 from engine.scene.lights import LIGHT_TYPES
 
-F8 = NDArray[np.float64]
-
 SCENES = (MADE + "room",)
 LIGHTS, FILTERS = ("spot", "point"), ("none", "pcf", "vogel8", "vogel16")
 SIZES = (256, 512, 1024, 2048, 4096)
 SIZE = 2048  # what RenderSettings has
-
-
-def size(ctx: Context) -> tuple[int, int]:
-    return (160, 107) if ctx.quick else (320, 213)
 
 
 def knobs(ctx: Context) -> list[dict[str, Any]]:
@@ -78,32 +79,14 @@ def view(ctx: Context, scene: OpenScene, chosen: Knobs, shadows: str) -> View:
     return View(scene.camera(width / height), width, height, settings)
 
 
-def brightness(scene: OpenScene, seen: View) -> F8:
-    """f8[h*w] of a picture."""
-    hdr = scene.render(seen, hdr=True).hdr
-    assert hdr is not None, "asked for"
-    total: F8 = np.asarray(hdr.read(), np.float64)[..., :3].sum(axis=-1).ravel()
-    return total
-
-
-@dataclass(slots=True)
-class Lit:
-    """`rows`: pixels (row by row) that the light could reach; `visible`: 1 where it does; `full`: their brightness
-    without shadows."""
-
-    rows: NDArray[np.int64]
-    visible: F8
-    full: F8
-
-
-def truth(ctx: Context, scene: OpenScene, name: str, kind: str) -> Lit:
+def lit(ctx: Context, scene: OpenScene, name: str, kind: str) -> PixelTruth:
+    """`drawn`: the picture without shadows."""
     from engine.experiments.truth.traced_scene import lifted, surface_seen, traced
 
     alone(scene, name, kind)
     bare = view(ctx, scene, {"filter": "none", "size": SIZE}, "off")
     world = traced(scene, bare.settings)
-    width, height = size(ctx)
-    met, surface = surface_seen(world, bare.camera, width, height)
+    met, surface = surface_seen(world, bare.camera, *size(ctx))
     full = brightness(scene, bare)
     lamp = scene.scene.lights.world()[0]
     to = lamp["position"] - surface.place
@@ -117,61 +100,35 @@ def truth(ctx: Context, scene: OpenScene, name: str, kind: str) -> Lit:
         raise InputError(f"{short(name)}: the {kind} light lights nothing that is seen", hint="turn the camera")
     start = lifted(surface.place[keep], surface.face[keep], towards[keep], world.rays.lift)
     blocked = world.rays.blocked(start, towards[keep], distance[keep] * (1.0 - 1e-5))
-    rows = np.flatnonzero(met)[keep]
-    return Lit(rows, 1.0 - blocked.astype(np.float64), full[rows])
+    return PixelTruth(np.flatnonzero(met)[keep], 1.0 - blocked.astype(np.float64), 0.0, (full,))
 
 
 def prepare(ctx: Context) -> Iterable[tuple[float, str]]:
-    names = own_or(ctx, SCENES)
-    pairs = [(name, kind) for name in names for kind in LIGHTS]
-    for i, (name, kind) in enumerate(pairs):
-        yield i / len(pairs), f"rays to the {kind} light, {short(name)}"
-        try:
-            scene = open_scene(ctx, name)
-            try:
-                ctx.scratch[f"{name} {kind}"] = truth(ctx, scene, name, kind)
-            finally:
-                scene.close()
-        except LucarnaError as error:
-            ctx.scratch[f"{name} {kind}"] = error
+    problems = [(name, f"{name} {kind}") for name in own_or(ctx, SCENES) for kind in LIGHTS]
+    return truths(
+        ctx, problems, "rays to a light", lambda scene, name, key: lit(ctx, scene, name, key.rpartition(" ")[2])
+    )
 
 
 def run(ctx: Context, chosen: Knobs) -> Trial:
     name, kind = str(chosen["scene"]), str(chosen["light"])
-    found = ctx.scratch[f"{name} {kind}"]
-    if isinstance(found, LucarnaError):
-        raise found
-    assert ctx.device is not None, "the experiment needs a device"
-    device, scene = ctx.device, open_scene(ctx, name)
+    found = truth(ctx, f"{name} {kind}")
+    scene = open_scene(ctx, name)
     alone(scene, name, kind)
     seen = view(ctx, scene, chosen, "all")
-    turned = [False]
-
-    def work() -> None:
-        # a hair's breadth of the filter makes another view of it, so that its tiles are drawn again
-        turned[0] = not turned[0]
-        seen.settings.shadow_softness = 1.5 + 1e-5 * turned[0]
-        scene.render(seen)
-        device.finish()
-
-    def assess(_: object) -> Outcome:
-        return judge(ctx, scene, chosen, found)
-
-    return Trial(work, assess, gpu=True, close=scene.close)
+    return redrawn(ctx, scene, seen, lambda: judge(ctx, scene, chosen, found), another_filter)
 
 
-def judge(ctx: Context, scene: OpenScene, chosen: Knobs, lit: Lit) -> Outcome:
-    ours = np.clip(brightness(scene, view(ctx, scene, chosen, "all"))[lit.rows] / lit.full, 0.0, 1.0)
-    off = ours - lit.visible
-    error = {
-        "rmse": float(np.sqrt(np.mean(off**2))), "misclassified": float(np.mean((ours > 0.5) != (lit.visible > 0.5))),
-        "too_dark": float(np.mean(off < -0.5)), "too_light": float(np.mean(off > 0.5)),
-    }  # fmt: skip
-    width, height = size(ctx)
-    canvas = [np.full(width * height, 0.02) for _ in range(2)]
-    for values, part in zip(canvas, (ours, lit.visible), strict=True):
-        values[lit.rows] = 0.08 + 0.72 * part
-    a, b = (to_u1(np.repeat(v.reshape(height, width, 1), 3, axis=2)) for v in canvas)
+def another_filter(seen: View, odd: bool) -> None:
+    """A hair's breadth of the filter makes another view of a tile, so that it is drawn again."""
+    seen.settings.shadow_softness = 1.5 + 1e-5 * odd
+
+
+def judge(ctx: Context, scene: OpenScene, chosen: Knobs, found: PixelTruth) -> Outcome:
+    got = brightness(scene, view(ctx, scene, chosen, "all"))[found.rows]
+    ours = np.clip(got / found.drawn[0][found.rows], 0.0, 1.0)
+    error = shadow_errors(ours, found.value)
+    a, b = greys(size(ctx), found.rows, ours, found.value)
     error["flip"] = flip(a, b)[0]
     pictures = []
     if chosen["size"] == SIZE:

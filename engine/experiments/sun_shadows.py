@@ -8,23 +8,32 @@ that rays from that pixel's place reach; a pixel is misclassified where one says
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.core.errors import InputError, LucarnaError
+from engine.core.errors import InputError
 from engine.experiments.harness.context import Context, OpenScene
 from engine.experiments.harness.experiment import Experiment, Knobs, Order, Outcome, Trial
 from engine.experiments.harness.pictures import beside_truth
+from engine.experiments.harness.pixel_truth import (
+    PixelTruth,
+    brightness,
+    by_rays,
+    greys,
+    redrawn,
+    shadow_errors,
+    truth,
+    truths,
+    worst_noise,
+)
+from engine.experiments.harness.pixel_truth import picture_size as size
 from engine.experiments.harness.scenes import MADE, open_scene, own_or, short
-from engine.math.color import to_u1
 from engine.render.settings import RenderSettings
 from engine.render.shadows.quality import DEFAULT, FILTER_CHOICES
 from engine.render.view import View
 from engine.report.perceptual import flip
-from engine.report.records import Floor
 
 F8 = NDArray[np.float64]
 
@@ -33,10 +42,6 @@ FILTERS = tuple(f for f in FILTER_CHOICES if f != "auto")
 SIZES, CASCADES = (256, 512, 1024, 2048), (1, 2, 3, 4)
 #: rays to the sun's disc from each pixel
 RAYS = 64
-
-
-def size(ctx: Context) -> tuple[int, int]:
-    return (160, 107) if ctx.quick else (320, 213)
 
 
 def knobs(ctx: Context) -> list[dict[str, Any]]:
@@ -60,33 +65,13 @@ def settings(chosen: Knobs, **more: Any) -> RenderSettings:
     )  # fmt: skip
 
 
-@dataclass(slots=True)
-class Lit:
-    """The first sun over the picture's pixels. `rows`: pixels (row by row) that it could light; `visible`: the part of
-    its disc that each of them sees, of two independent sets of rays; `full`: their brightness without shadows."""
-
-    rows: NDArray[np.int64]
-    visible: F8
-    noise: float
-    full: F8
-    rest: F8
-
-
 def view(ctx: Context, scene: OpenScene, chosen: Knobs, **more: Any) -> View:
     width, height = size(ctx)
     return View(scene.camera(width / height), width, height, settings(chosen, **more))
 
 
-def light(scene: OpenScene, seen: View) -> F8:
-    """Brightness f8[h*w] of a picture."""
-    hdr = scene.render(seen, hdr=True).hdr
-    assert hdr is not None, "asked for"
-    brightness: F8 = np.asarray(hdr.read(), np.float64)[..., :3].sum(axis=-1).ravel()
-    return brightness
-
-
-def truth(ctx: Context, scene: OpenScene, name: str) -> Lit:
-    from engine.experiments.truth.reference import content_hash
+def lit(ctx: Context, scene: OpenScene, name: str) -> PixelTruth:
+    """`drawn`: pictures without shadows, and with what shines besides the sun."""
     from engine.experiments.truth.traced_scene import surface_seen, traced
     from engine.experiments.truth.visibility import sun_visibility
 
@@ -101,10 +86,11 @@ def truth(ctx: Context, scene: OpenScene, name: str) -> Lit:
             f"{short(name)}: its sun cannot be told from its other lights",
             hint="hide them, or let the environment have it",
         )
-    width, height = size(ctx)
-    met, surface = surface_seen(world, bare.camera, width, height)
-    full = light(scene, bare)
-    rest = light(scene, view(ctx, scene, chosen, shadows=False, sun_intensity=0.0)) if own else np.zeros_like(full)
+    met, surface = surface_seen(world, bare.camera, *size(ctx))
+    full = brightness(scene, bare)
+    rest = np.zeros_like(full)
+    if own:
+        rest = brightness(scene, view(ctx, scene, chosen, shadows=False, sun_intensity=0.0))
     towards = -world.lamps.rows["direction"][0].astype(np.float64)
     towards /= np.linalg.norm(towards)
     half = np.radians(bare.settings.sun_angle) / 2.0
@@ -116,83 +102,43 @@ def truth(ctx: Context, scene: OpenScene, name: str) -> Lit:
     if not keep.any():
         raise InputError(f"{short(name)}: the sun lights nothing that is seen", hint="turn the camera or the sun")
 
-    def rays() -> dict[str, Any]:
-        at = surface.place[keep]
-        both = [
-            sun_visibility(world.rays, at, surface.face[keep], towards, half, RAYS, ctx.rng(f"sun {i}")) for i in (0, 1)
-        ]
-        return {"first": both[0], "second": both[1], "noise_floor": np.sqrt(np.mean((both[0] - both[1]) ** 2)) / 2.0}
+    def rays(which: str) -> F8:
+        at, face = surface.place[keep], surface.face[keep]
+        return sun_visibility(world.rays, at, face, towards, half, RAYS, ctx.rng(f"sun {which}"))
 
-    found = ctx.references.get(
-        f"sun-{short(name)}",
-        {"scene": content_hash(world), "camera": repr((bare.camera.world_from_camera.tolist(), bare.camera.yfov,
-         bare.camera.ymag)), "size": size(ctx), "rays": RAYS, "half": half, "kept": keep}, rays, seed=ctx.seed,
-    )  # fmt: skip
-    rows = np.flatnonzero(met)[keep]
-    return Lit(rows, (found["first"] + found["second"]) / 2.0, float(found["noise_floor"]), full, rest)
+    key = {"rays": RAYS, "half": half, "kept": keep}
+    visible, noise = by_rays(ctx, f"sun-{short(name)}", world, bare.camera, size(ctx), key, rays)
+    return PixelTruth(np.flatnonzero(met)[keep], visible, noise, (full, rest))
 
 
 def prepare(ctx: Context) -> Iterable[tuple[float, str]]:
-    names = own_or(ctx, [SCENE])
-    for i, name in enumerate(names):
-        yield i / len(names), f"rays to the sun, {short(name)}"
-        try:
-            scene = open_scene(ctx, name)
-            try:
-                ctx.scratch[name] = truth(ctx, scene, name)
-            finally:
-                scene.close()
-        except LucarnaError as error:
-            ctx.scratch[name] = error
+    problems = [(name, name) for name in own_or(ctx, [SCENE])]
+    return truths(ctx, problems, "rays to the sun", lambda scene, name, _: lit(ctx, scene, name))
 
 
 def run(ctx: Context, chosen: Knobs) -> Trial:
     name = str(chosen["scene"])
-    found = ctx.scratch[name]
-    if isinstance(found, LucarnaError):
-        raise found
-    assert ctx.device is not None, "the experiment needs a device"
-    device, scene = ctx.device, open_scene(ctx, name)
-    seen = view(ctx, scene, chosen)
-    turned = [False]
-
-    def work() -> None:
-        # another sun than before by a hair, so that maps are drawn again, as they are where anything moves
-        turned[0] = not turned[0]
-        seen.settings.environment_rotation = 1e-5 if turned[0] else 0.0
-        scene.render(seen)
-        device.finish()
-
-    def assess(_: object) -> Outcome:
-        return judge(ctx, scene, chosen, found)
-
-    return Trial(work, assess, gpu=True, close=scene.close)
+    found = truth(ctx, name)
+    scene = open_scene(ctx, name)
+    return redrawn(ctx, scene, view(ctx, scene, chosen), lambda: judge(ctx, scene, chosen, found), another_sun)
 
 
-def judge(ctx: Context, scene: OpenScene, chosen: Knobs, lit: Lit) -> Outcome:
-    got = light(scene, view(ctx, scene, chosen))[lit.rows]
-    whole = (lit.full - lit.rest)[lit.rows]
-    ours = np.clip((got - lit.rest[lit.rows]) / whole, 0.0, 1.0)
-    off = ours - lit.visible
-    error = {
-        "rmse": float(np.sqrt(np.mean(off**2))), "misclassified": float(np.mean((ours > 0.5) != (lit.visible > 0.5))),
-        "too_dark": float(np.mean(off < -0.5)), "too_light": float(np.mean(off > 0.5)),
-    }  # fmt: skip
-    width, height = size(ctx)
-    pictures = []
-    canvas = [np.full(width * height, 0.02) for _ in range(2)]
-    for values, part in zip(canvas, (ours, lit.visible), strict=True):
-        values[lit.rows] = 0.08 + 0.72 * part
-    a, b = (to_u1(np.repeat(v.reshape(height, width, 1), 3, axis=2)) for v in canvas)
+def another_sun(seen: View, odd: bool) -> None:
+    """By a hair, so that maps are drawn again, as they are where anything moves."""
+    seen.settings.environment_rotation = 1e-5 if odd else 0.0
+
+
+def judge(ctx: Context, scene: OpenScene, chosen: Knobs, found: PixelTruth) -> Outcome:
+    full, rest = (part[found.rows] for part in found.drawn)
+    got = brightness(scene, view(ctx, scene, chosen))[found.rows]
+    ours = np.clip((got - rest) / (full - rest), 0.0, 1.0)
+    error = shadow_errors(ours, found.value)
+    a, b = greys(size(ctx), found.rows, ours, found.value)
     error["flip"] = flip(a, b)[0]
+    pictures = []
     if chosen["size"] == DEFAULT.size and chosen["cascades"] == DEFAULT.cascades:
         pictures = beside_truth(ctx, f"{chosen['filter']}, {chosen['size']}", a, f"{2 * RAYS} rays to the sun", b)
     return Outcome(error, pictures=pictures)
-
-
-def noise_floor(ctx: Context) -> Floor | None:
-    found = [v.noise for k, v in ctx.scratch.items() if isinstance(v, Lit)]
-    return Floor(max(found), "the rays' noise") if found else None
 
 
 EXPERIMENT = Experiment(
@@ -214,7 +160,7 @@ EXPERIMENT = Experiment(
     needs=frozenset({"gpu", "rays"}),
     own_scene=True,
     timed="gpu",
-    noise_floor=noise_floor,
+    noise_floor=worst_noise,
     step_label="1 / texels",
     time_label="median frame time",
     note="auto is what the device can afford: one hardware-filtered lookup on a software rasteriser, eight on a GPU.",

@@ -247,6 +247,10 @@ class ComputePipelineDesc:
     label: str
     compute: ShaderSource
 
+    @property
+    def stages(self) -> tuple[ShaderSource, ...]:
+        return (self.compute,)
+
 
 class Pipeline(Protocol):
     """`loaded`: its program was not compiled but taken from the program cache."""

@@ -17,7 +17,7 @@ from engine.gpu.glsl_layout import BlockLayout
 from engine.gpu.types import BlendState, SamplerDesc
 from engine.materials import glsl
 from engine.materials.requirements import LEVELS
-from engine.materials.roles import TARGETS
+from engine.materials.roles import PROCEDURAL, TARGETS
 from engine.materials.suggest import hint
 from engine.materials.technique import Technique, build
 
@@ -102,7 +102,7 @@ class Effect:
         vertices are placed by other shaders, so that their depths differ."""
         found = []
         for role in self.techniques:
-            if role not in TARGETS:
+            if role not in TARGETS and role != PROCEDURAL:
                 known = hint(role, TARGETS)
                 text = f"no pass asks for the role {role!r} yet, so its technique is not drawn ({known})"
                 found.append((text, ("technique", role)))
@@ -125,8 +125,14 @@ class Effect:
     @cached_property
     def uses_stencil(self) -> bool:
         """Whether any pass of what is drawn on screen tests or writes the stencil."""
-        drawn = (t for role, t in self.techniques.items() if role != "shadow")
+        drawn = (t for role, t in self.techniques.items() if role not in ("shadow", PROCEDURAL))
         return any(draw.stencil is not None for technique in drawn for draw in technique.every())
+
+    @cached_property
+    def computed(self) -> Mapping[str, str]:
+        """The texture slots that the effect fills itself where a material gives no file, and their formats."""
+        technique = self.techniques.get(PROCEDURAL)
+        return technique.outputs if technique is not None else {}
 
     @cached_property
     def param_by_name(self) -> Mapping[str, Param]:
@@ -181,6 +187,10 @@ class Effect:
     def glsl(self, features: frozenset[str]) -> str:
         """Generated GLSL of a variant: MaterialParams, the buffer of materials, samplers, sample_<slot>()."""
         return glsl.generate(self, features)
+
+    def computing_glsl(self) -> str:
+        """Generated GLSL in front of the shaders of the technique that computes textures."""
+        return glsl.generate_computing(self, self.computed)
 
 
 def load_effect(path: Path, *, search: Sequence[Path] = ()) -> Effect:

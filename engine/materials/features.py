@@ -39,7 +39,7 @@ def resolve_features(
 ) -> FeatureSet:
     """The features of the variant that draws `material` on a mesh with the streams `mesh_layout`.
 
-    On are: what the material asks for; what its textures imply; `vertex_color` when the mesh has colours; `alpha_test`
+    On are: what the material asks for; what its textures, and those that the effect computes, imply; `vertex_color` when the mesh has colours; `alpha_test`
     in the queue of that name; `uv1` and `uv_transform` when a used texture needs them. A feature whose vertex streams
     the mesh lacks is dropped. `also`: feature -> reason, taken where the effect has it.
     Raises InputError with did-you-mean for features and textures that the effect has not.
@@ -49,6 +49,8 @@ def resolve_features(
     for name, feature in effect.features.items():
         if feature.implied_by in material.textures:
             wanted.setdefault(name, f"the material has the texture {feature.implied_by!r}")
+        elif feature.implied_by in effect.computed:
+            wanted.setdefault(name, f"the effect computes the texture {feature.implied_by!r}")
     if "vertex_color" in effect.features and "color" in mesh_layout:
         wanted.setdefault("vertex_color", "the mesh has vertex colours")
     if "alpha_test" in effect.features and material.queue == "alpha_test":

@@ -4,10 +4,16 @@ struct MaterialParams { … };                                                 o
 layout(std430, binding = 2) readonly buffer MaterialBlock { MaterialParams materials[]; };
 layout(binding = <unit>) uniform sampler2DArray t_<slot>;                    units in declaration order (texture_unit)
 vec4 sample_<slot>(MaterialParams m, vec2 uv0, vec2 uv1);
+
+In front of a shader that computes textures (`[technique.texture]`; it has a main, called once for every texel):
+struct MaterialParams, materials[]; MaterialParams material();                the values of the material it works for
+ivec2 texel(); ivec2 texture_size(); vec2 texture_uv();                       where it is; uv of the texel's middle
+void write_<output>(vec4 value); vec4 read_<output>(ivec2 at);                `at` wraps round: textures repeat
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from engine.gpu.glsl_layout import BlockLayout, Field, layout
@@ -54,6 +60,38 @@ def row_layout(effect: Effect) -> BlockLayout:
             Field(f"{slot.name}_row0", "vec4"), Field(f"{slot.name}_row1", "vec4"),
         ]  # fmt: skip
     return layout(fields or [Field("unused_", "uint")], "std430")
+
+
+#: of the job of a technique that computes: which material, into which layer
+JOB_BINDING = 1
+JOB = layout([Field("size", "ivec2"), Field("material", "uint"), Field("layer", "uint")], "std140")
+#: texels a work group, across and down
+GROUP = 8
+
+
+def generate_computing(effect: Effect, outputs: Mapping[str, str]) -> str:
+    """The text in front of a compute shader; `outputs`: texture slot -> format, image units in that order."""
+    parts = [
+        effect.row_layout.struct_glsl("MaterialParams").rstrip(),
+        effect.row_layout.buffer_glsl("MaterialBlock", MATERIAL_BINDING, "MaterialParams", "materials").rstrip(),
+        JOB.block_glsl("JobBlock", JOB_BINDING, "job").rstrip(),
+        f"layout(local_size_x = {GROUP}, local_size_y = {GROUP}) in;",
+        "MaterialParams material() { return materials[job.material]; }",
+        "ivec2 texel() { return ivec2(gl_GlobalInvocationID.xy); }",
+        "ivec2 texture_size() { return job.size; }",
+        "vec2 texture_uv() { return (vec2(texel()) + 0.5) / vec2(job.size); }",
+    ]
+    for unit, (slot, form) in enumerate(outputs.items()):
+        parts += [
+            f"layout(binding = {unit}, {form}) uniform image2DArray i_{slot};",
+            f"void write_{slot}(vec4 value) {{ imageStore(i_{slot}, ivec3(texel(), int(job.layer)), value); }}",
+            f"vec4 read_{slot}(ivec2 at)",
+            "{",
+            "    ivec2 wrapped = at & (job.size - 1);",
+            f"    return imageLoad(i_{slot}, ivec3(wrapped, int(job.layer)));",
+            "}",
+        ]
+    return "\n".join(parts) + "\n"
 
 
 def generate(effect: Effect, features: frozenset[str]) -> str:

@@ -10,7 +10,7 @@ from typing import Unpack
 
 from engine.core.errors import InputError, LucarnaError, ShaderError
 from engine.core.watched import Watched
-from engine.gpu.types import Device, Pipeline, RenderPipelineDesc, VertexAttribute
+from engine.gpu.types import Device, Pipeline, VertexAttribute
 from engine.materials.effect import Effect, load_effect
 from engine.materials.features import FeatureSet
 from engine.materials.merge import SUFFIX, candidates
@@ -19,6 +19,7 @@ from engine.materials.variant import (
     MAGENTA,
     Begun,
     Compiled,
+    Description,
     StateOptions,
     Variant,
     VariantRequest,
@@ -141,11 +142,15 @@ class EffectLibrary:
             variant.fallback = self._magenta(variant)
         return variant.fallback, variant.error
 
+    def computing(self, device: Device, request: VariantRequest, effect: Effect | None = None) -> Variant:
+        """The variant of a technique that computes; without `pipeline` where none of its sources ever compiled."""
+        return self._variant(device, effect or request.effect, request)
+
     def variants(self) -> list[Variant]:
         """All variants asked for so far, in that order."""
         return list(self._variants.values())
 
-    def description(self, variant: Variant) -> RenderPipelineDesc:
+    def description(self, variant: Variant) -> Description:
         """What a variant is made of: its state, and its flattened sources with the origin of each line. Raises
         ShaderError where the newest files have a mistake and no others were good."""
         effect = self._effects[variant.request.effect]
@@ -221,7 +226,7 @@ class EffectLibrary:
             return
         let_go(variant)
         variant.pipeline, variant.files, variant.source_hash = outcome.pipeline, outcome.files, outcome.source_hash
-        variant.compile_ms, variant.loaded = outcome.ms, outcome.pipeline.loaded
+        variant.compile_ms, variant.loaded, variant.reads = outcome.ms, outcome.pipeline.loaded, outcome.reads
 
     def prepare(self, device: Device, requests: Iterable[VariantRequest]) -> ShaderError | None:
         """Compile variants that are about to be asked for; the error of the first that does not, and nothing is kept

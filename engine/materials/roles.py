@@ -18,6 +18,9 @@ TARGETS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     }
 )
 
+#: the role of a technique that draws nothing: it computes textures of the effect (engine.resources.procedural)
+PROCEDURAL = "texture"
+
 #: role -> what happens to a surface whose effect has no technique for it
 ABSENT: Mapping[str, str] = MappingProxyType(
     {

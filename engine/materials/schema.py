@@ -37,6 +37,11 @@ requires = ["tessellation"]
 
 [[technique.forward.passes]]      several draws, in order; keys of the technique that are other in it, and
 name = "outline"                  what `inspect` calls it
+
+[technique.texture]               draws nothing: it computes textures where the material gives no file for their slots
+compute = "effects/moss.comp"     glsl.py has what is generated for it; levels, passes, defines, features as above
+outputs = { moss_map = "rgba8" }  texture slot -> format, all of one
+size = [512, 512]                 powers of two
 """
 
 from __future__ import annotations
@@ -57,10 +62,26 @@ from engine.core.toml_source import KeyPath, dotted
 from engine.materials.condition import parse_condition
 from engine.materials.merge import effect_name
 from engine.materials.requirements import REQUIREMENTS
-from engine.materials.roles import MOST_TARGETS, TARGETS, target_index
+from engine.materials.roles import MOST_TARGETS, PROCEDURAL, TARGETS, target_index
 from engine.materials.state_schema import TAGS, SamplerModel, StateModel, Table
 from engine.materials.suggest import hint
 
+#: formats that are stored by a shader, and sampled with filters; what they hold is linear
+OutputFormat = Literal["r8", "rg8", "rgba8", "r16f", "rg16f", "rgba16f", "r32f", "rgba32f"]
+MOST_OUTPUTS = 8
+Texels = Annotated[int, Field(ge=8, le=4096)]
+#: what else than stages a technique that computes has no use for
+_DRAWING = (
+    "states",
+    "depth",
+    "stencil",
+    "blend",
+    "blend_constant",
+    "write_mask",
+    "raster",
+    "targets",
+    "patch_vertices",
+)
 Level = Literal["low", "medium", "high"]
 Requirement = Literal[
     "hardware", "tessellation", "geometry", "compute", "block_compression", "anisotropy", "multisampling",
@@ -131,6 +152,7 @@ class PassModel(StateModel):
     tess_evaluation: str = ""
     geometry: str = ""
     fragment: str = ""
+    compute: str = ""
     patch_vertices: int = Field(3, ge=1, le=32)
     states: list[str] = Field(default_factory=list)
     defines: dict[str, int | bool | float] = Field(default_factory=dict)
@@ -141,10 +163,11 @@ class LevelModel(PassModel):
 
     requires: list[Requirement] = Field(default_factory=list)
     passes: list[PassModel] = Field(default_factory=list)
+    size: list[Texels] = Field(default_factory=list, min_length=2, max_length=2)
 
 
 class TechniqueModel(LevelModel):
-    vertex: str
+    outputs: dict[str, OutputFormat] = Field(default_factory=dict)
     features: list[str] | None = None
     streams: list[str] = Field(default_factory=list)
     level: Level = "low"
@@ -173,8 +196,9 @@ def check(merged: Merged) -> EffectModel:
         model = EffectModel.model_validate(merged.data)
     except ValidationError as error:
         mistakes = [_translate(merged.data, dict(item)) for item in error.errors()]
+        mistakes += _without_vertex(merged.data)
     else:
-        mistakes = list(_meaning(model, merged))
+        mistakes = list(_without_vertex(merged.data)) or list(_meaning(model, merged))
         if not mistakes:
             return model
     found = [merged.describe(path, message, value=value) for path, message, value in mistakes]
@@ -195,8 +219,6 @@ def _translate(data: Mapping[str, Any], error: Mapping[str, Any]) -> Mistake:
     path: KeyPath = loc
     kind, given = error["type"], error["input"]
     where = f" in {dotted(path[:-1])}" if len(path) > 1 else ""
-    if kind == "extra_forbidden" and path[-1] == "compute" and path[0] == "technique":
-        return path, f"a technique draws, so it has no compute stage{where} (compute shaders belong to passes)", False
     if kind == "extra_forbidden":
         return path, f"unknown key {str(path[-1])!r}{where} ({hint(str(path[-1]), _known(path[:-1]))})", False
     if kind == "missing":
@@ -301,6 +323,10 @@ def _technique(role: str, technique: TechniqueModel, model: EffectModel) -> Iter
             yield (*at, "streams", index), f"there is no vertex stream {name!r} ({hint(name, STREAMS)})", True
     for path, layer in layers:
         yield from _layer(role, path, layer, model)
+        yield from (_computing if role == PROCEDURAL else _drawing)(role, path, layer)
+    if role == PROCEDURAL:
+        yield from _outputs(at, technique, model)
+        return
     from engine.materials.technique import build
 
     for made in build(role, technique, model, ()).levels.values():
@@ -311,6 +337,57 @@ def _technique(role: str, technique: TechniqueModel, model: EffectModel) -> Iter
                 yield draw.places["patch_vertices"], "only a tess_evaluation stage draws patches", False
             if not draw.vertex:
                 yield draw.places["vertex"], "every pass needs a vertex stage", True
+
+
+def _without_vertex(data: Mapping[str, Any]) -> Iterator[Mistake]:
+    """Techniques that draw and say no vertex stage."""
+    tables = data.get("technique")
+    for role, table in tables.items() if isinstance(tables, Mapping) else ():
+        if isinstance(table, Mapping) and role != PROCEDURAL and "vertex" not in table:
+            yield ("technique", role, "vertex"), f"the key 'vertex' is missing in technique.{role}", False
+
+
+def _drawing(role: str, path: KeyPath, layer: PassModel) -> Iterator[Mistake]:
+    """What only a technique that computes may say."""
+    for word in ("compute", "outputs", "size"):
+        if word in layer.model_fields_set:
+            thing = "compute stage" if word == "compute" else word
+            text = f"a technique draws in the role {role!r}, so it has no {thing} (that of {PROCEDURAL!r} computes)"
+            yield (*path, word), text, False
+
+
+def _computing(role: str, path: KeyPath, layer: PassModel) -> Iterator[Mistake]:
+    """What only a technique that draws may say."""
+    stages = ("vertex", "tess_control", "tess_evaluation", "geometry", "fragment")
+    for word in (*stages, *_DRAWING, "streams"):
+        if word in layer.model_fields_set:
+            text = f"the technique of the role {role!r} computes textures and draws nothing, so it has no {word}"
+            yield (*path, word), text, False
+    for index, texels in enumerate(layer.size if isinstance(layer, LevelModel) else ()):
+        if texels & (texels - 1):
+            yield (*path, "size", index), f"{texels} is no power of two, so it has no whole mips", True
+
+
+def _outputs(at: KeyPath, technique: TechniqueModel, model: EffectModel) -> Iterator[Mistake]:
+    """What is computed: each level says where, how large, and by which shader."""
+    from engine.materials.technique import build
+
+    if not technique.outputs:
+        yield (*at, "outputs"), f"the key 'outputs' is missing in {dotted(at)}: texture slot = format", False
+    if len(technique.outputs) > MOST_OUTPUTS:
+        yield (*at, "outputs"), f"{len(technique.outputs)} textures at once; {MOST_OUTPUTS} is the most", True
+    for slot in technique.outputs:
+        if slot not in model.textures:
+            yield (*at, "outputs", slot), f"there is no texture {slot!r} ({hint(slot, model.textures)})", False
+    for level in build(PROCEDURAL, technique, model, ()).levels.values():
+        if level.size == (0, 0):
+            yield (*at, "size"), f"the key 'size' is missing in {dotted(at)}: [width, height] in texels", False
+        for draw in level.passes:
+            if not draw.compute:
+                place = draw.places.get("compute", (*at, "compute"))
+                yield place, f"every pass of {dotted(at)} needs a compute stage", "compute" in draw.places
+        if level.size == (0, 0) or not all(draw.compute for draw in level.passes):
+            return
 
 
 def _layer(role: str, path: KeyPath, layer: PassModel, model: EffectModel) -> Iterator[Mistake]:

@@ -105,6 +105,13 @@ class MaterialTable:
         self._data[row][name] = self._stored(self.effect.param(name), value)
         self._touch(row)
 
+    def put_layer(self, row: int, slot: str, layer: int) -> None:
+        """Let a slot read another layer; nothing where it does."""
+        self._check_row(row)
+        if self._data[row][f"{slot}_layer"] != layer:
+            self._data[row][f"{slot}_layer"] = layer
+            self._touch(row)
+
     def get_param(self, row: int, name: str) -> Value:
         """The value as the GPU has it (float32). Raises UsageError for an unknown name."""
         self._check_row(row)

@@ -2,7 +2,8 @@
 
     states (named groups) < technique < states of the level < level < states of the pass < pass      later ones win
 
-Every pass is a draw of the whole batch, in order. A stage given as "" is taken away.
+Every pass is a draw of the whole batch, in order; of the role `texture`, a dispatch over all texels. A stage given as
+"" is taken away.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from engine.materials.roles import target_index
 if TYPE_CHECKING:
     from engine.materials.schema import EffectModel, LevelModel, PassModel, TechniqueModel
 
-STAGES = ("vertex", "tess_control", "tess_evaluation", "geometry", "fragment")
+STAGES = ("vertex", "tess_control", "tess_evaluation", "geometry", "fragment", "compute")
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,6 +44,7 @@ class DrawPass:
     tess_evaluation: str = ""
     geometry: str = ""
     fragment: str = ""
+    compute: str = ""
     patch_vertices: int = 3
     defines: Mapping[str, str | int] = field(default_factory=dict, hash=False)
     depth: DepthState = field(default_factory=DepthState)
@@ -75,7 +77,7 @@ class DrawPass:
 class Technique:
     """How the effect is drawn in a role, at one level. `features`: those that make a difference in this role (None:
     all); others are off, so variants are shared. `streams`: of the mesh, that it reads in any case. `levels`: all that
-    there are, this one too."""
+    there are, this one too. `size`, `outputs`: of what is computed, texels and texture slot -> format."""
 
     role: str
     passes: tuple[DrawPass, ...]
@@ -83,6 +85,8 @@ class Technique:
     requires: tuple[str, ...] = ()
     features: frozenset[str] | None = None
     streams: tuple[str, ...] = ()
+    size: tuple[int, int] = (0, 0)
+    outputs: Mapping[str, str] = field(default_factory=dict, hash=False)
     levels: Mapping[str, Technique] = field(default_factory=dict, hash=False, compare=False)
 
     def at(self, wanted: str = AUTO, caps: Caps | None = None) -> tuple[Technique | None, str]:
@@ -132,9 +136,10 @@ def build(role: str, model: TechniqueModel, effect: EffectModel, always: tuple[s
         layers: list[tuple[KeyPath, PassModel]] = [(at, model), ((*at, "levels", name), level)]
         techniques[name] = _level(role, name, effect, layers, level, features)
     levels = MappingProxyType(dict(techniques))
-    streams = tuple(model.streams)
+    streams, outputs = tuple(model.streams), MappingProxyType(dict(model.outputs))
     made: dict[str, Technique] = {
-        name: replace(technique, levels=levels, streams=streams) for name, technique in techniques.items()
+        name: replace(technique, levels=levels, streams=streams, outputs=outputs)
+        for name, technique in techniques.items()
     }
     return replace(made[model.level], levels=MappingProxyType(made))
 
@@ -148,7 +153,10 @@ def _level(
     if not passes:
         last, passes = layers[0][0], base.passes
     drawn = [_draw(role, effect, [*layers, ((*last, "passes", i), p)]) for i, p in enumerate(passes)]
-    return Technique(role, tuple(drawn) or (_draw(role, effect, layers),), name, tuple(own.requires), features)
+    width, height = own.size or base.size or (0, 0)  # texels
+    return Technique(
+        role, tuple(drawn) or (_draw(role, effect, layers),), name, tuple(own.requires), features, size=(width, height)
+    )
 
 
 def _draw(role: str, effect: EffectModel, layers: list[tuple[KeyPath, PassModel]]) -> DrawPass:

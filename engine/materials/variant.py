@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import re
 import time
 from collections.abc import Iterable, Iterator, Mapping, MutableMapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -16,6 +17,7 @@ from engine.gpu.preprocess import flatten
 from engine.gpu.types import (
     BlendState,
     Caps,
+    ComputePipelineDesc,
     Device,
     Pipeline,
     RenderPipelineDesc,
@@ -103,6 +105,8 @@ class Variant:
     asked: bool = True
     level: str = ""
     level_reason: str = ""
+    #: of a compute stage: the parameters that its text names
+    reads: frozenset[str] = frozenset()
 
     @property
     def label(self) -> str:
@@ -126,6 +130,11 @@ class Compiled:
     files: tuple[Path, ...]
     source_hash: str
     ms: float = 0.0
+    reads: frozenset[str] = frozenset()
+
+
+#: what a variant's pipeline is made of
+Description = RenderPipelineDesc | ComputePipelineDesc
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,7 +142,7 @@ class Begun:
     """What a variant is made of, when the driver already works on it, and the time that took so far."""
 
     device: Device
-    desc: RenderPipelineDesc
+    desc: Description
     ms: float
 
 
@@ -155,8 +164,23 @@ def compile_variant(
         digest.update(source.stage.encode("utf-8") + b"\0" + source.text.encode("utf-8") + b"\0")
     names = dict.fromkeys(file for stage in stages for file, _ in stage.lines)
     files = tuple(path for path in (_find(name, search) for name in names) if path is not None)
-    pipeline = device.render_pipeline(desc)
-    return Compiled(pipeline, files, digest.hexdigest(), 1e3 * (time.perf_counter() - begun))
+    reads: frozenset[str] = frozenset()
+    pipeline: Pipeline
+    if isinstance(desc, ComputePipelineDesc):
+        pipeline, reads = device.compute_pipeline(desc), _params_read(effect, desc.compute)
+    else:
+        pipeline = device.render_pipeline(desc)
+    return Compiled(pipeline, files, digest.hexdigest(), 1e3 * (time.perf_counter() - begun), reads)
+
+
+def _params_read(effect: Effect, source: ShaderSource) -> frozenset[str]:
+    """The parameters that stand as members in what the author wrote, switched off or not."""
+    own = [
+        line
+        for line, (file, _) in zip(source.text.splitlines(), source.lines, strict=False)
+        if not file.startswith("<")
+    ]
+    return frozenset(re.findall(r"\.\s*(\w+)", "\n".join(own))) & set(effect.param_by_name)
 
 
 def compile_nowhere(device: Device, request: VariantRequest) -> Pipeline:
@@ -172,7 +196,7 @@ def compile_nowhere(device: Device, request: VariantRequest) -> Pipeline:
 def describe(
     effect: Effect, request: VariantRequest, search: Sequence[Path], *, magenta: str = "",
     texts: MutableMapping[Path, str] | None = None, caps: Caps | None = None,
-) -> RenderPipelineDesc:  # fmt: skip
+) -> Description:  # fmt: skip
     """All state of the variant's pipeline on a device with these capabilities (None: one that can do all). Raises
     ShaderError when a file or an include is not there, or the device can do no level of the technique."""
     draw = draw_of(effect, request, caps)
@@ -180,7 +204,7 @@ def describe(
     streams = [attribute.stream for attribute in request.attributes]
     defines: dict[str, str | int] = {**effect.defines(request.role, features, streams), **draw.defines}
     defines |= dict(request.defines)
-    prelude = request.prelude + effect.glsl(features)
+    prelude = request.prelude + (effect.computing_glsl() if draw.compute else effect.glsl(features))
 
     def stage(kind: str, file: str) -> ShaderSource:
         path = shader_file(file, search, texts or {})
@@ -189,6 +213,8 @@ def describe(
         return flatten(path, kind, search=search, prelude=prelude, defines=defines, texts=texts)
 
     files = draw.stages()
+    if draw.compute:
+        return ComputePipelineDesc(f"{effect.name} {request.role}", stage("compute", draw.compute))
     if magenta == "plain":  # the stages before may be what is wrong
         files = {"vertex": PLAIN, "fragment": MAGENTA} if draw.fragment else {"vertex": PLAIN}
     elif magenta and draw.fragment:

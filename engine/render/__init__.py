@@ -14,7 +14,9 @@ light_groups.py what lights reach, one by one and in groups of neighbours
 passes/         one pass a file, its shader of the same name in shaders/passes
 shadows/        cascades of the first sun, tiles of point and spot lights: fit, bias, who casts
 paths/          which passes make a frame, and which path is the cheapest
-programs.py     pipelines by what a batch or a pass needs; ahead.py: made in slices while the last picture stays
+draw_states.py  what a batch binds, and its order; draw_commands.py: indirect commands of what is drawn
+programs.py     pipelines of batches; variant_requests.py: what they ask of the library; pass_programs.py: of passes
+blocks.py       generated GLSL in front of shaders;   ahead.py: programs made in slices while the last picture stays
 hysteresis.py   facts that flicker stay on for a while
 nonfinite.py    beside the graph, on demand: which pass made the first NaN, and where
 renderer.py     Renderer.render(scene, view) -> Frame

@@ -14,25 +14,17 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from engine.gpu.types import Buffer, Device
-from engine.materials.effect import Effect
-from engine.materials.features import kept, resolve_features
-from engine.resources.arena import MeshArena
+from engine.materials.features import resolve_features
+from engine.render.draw_commands import COMMAND_DTYPE, Template, chosen, empty_template, fit_buffer, runs_of
+from engine.render.draw_states import QUEUE_ORDER, Batch, DrawState, caster_state, casts_shadow, sides_of, sort_key
 from engine.resources.material_store import MaterialRecord
 from engine.resources.residency import Residency
 from engine.scene.scene import Scene
-
-COMMAND_DTYPE = np.dtype(
-    [
-        ("index_count", "<u4"), ("instance_count", "<u4"), ("first_index", "<u4"),
-        ("base_vertex", "<i4"), ("base_instance", "<u4"),
-    ]
-)  # fmt: skip
 
 #: why a skinned instance's variant has that feature
 SKINNED = {"skinning": "the mesh hangs on a skeleton"}
@@ -42,61 +34,6 @@ BENT = {
     4: {"morph": "morph targets of the mesh have had a weight"},
     8: {"dual_quaternion": "the skin is blended as dual quaternions"},
 }
-
-#: queue -> order in the frame
-QUEUE_ORDER = {"background": 0, "opaque": 1, "alpha_test": 2, "transparent": 3, "overlay": 4}
-
-
-@dataclass(frozen=True, slots=True)
-class DrawState:
-    """What a batch binds. `blended` draws after everything opaque, back to front."""
-
-    effect: str
-    features: frozenset[str]
-    arena: int
-    group: int
-    topology: str
-    cull: str
-    front_ccw: bool
-    queue: str
-    level: str = ""  # of techniques; '' as the view's quality says
-
-    @property
-    def blended(self) -> bool:
-        return self.queue in ("transparent", "overlay") or self.transmissive
-
-    @property
-    def transmissive(self) -> bool:
-        """It shows, refracted, what was drawn before it; so it is drawn with the blended ones, solid as it may be."""
-        return "transmission" in self.features
-
-    @property
-    def veil(self) -> bool:
-        """Its alpha counts: nearer and farther surfaces both stay to be seen."""
-        return self.queue in ("transparent", "overlay")
-
-
-@dataclass(frozen=True, slots=True)
-class Batch:
-    """Commands [first, first + count) drawn with one state."""
-
-    state: DrawState
-    first: int
-    count: int
-
-
-@dataclass(slots=True)
-class _Template:
-    """Commands before visibility, in batch order, and which command each instance row belongs to."""
-
-    states: list[DrawState]  # per command
-    commands: NDArray[np.void]  # COMMAND_DTYPE, instance counts 0
-    row_order: NDArray[np.intp]  # instance rows sorted by command
-    row_command: NDArray[np.intp]  # command of each of row_order
-
-
-def _empty_template() -> _Template:
-    return _Template([], np.zeros(0, COMMAND_DTYPE), np.zeros(0, np.intp), np.zeros(0, np.intp))
 
 
 class DrawList:
@@ -118,10 +55,10 @@ class DrawList:
         self._combos: list[tuple[int, int, int, int]] = []
         self._mirrored = np.zeros(0, np.bool_)
         self._mirrored_seen = (0, -1, -1)
-        self._solid = _empty_template()
+        self._solid = empty_template()
         self._solid_batches: list[tuple[int, int]] = []
-        self._glass = _empty_template()
-        self._casters = _empty_template()
+        self._glass = empty_template()
+        self._casters = empty_template()
         self._caster_batches: list[tuple[int, int]] = []
         self.caster_ids: Buffer = device.buffer(4, label="caster ids")
         self.caster_commands: Buffer = device.buffer(20, label="caster commands")
@@ -192,7 +129,7 @@ class DrawList:
         count = len(table.node)
         self._write_objects(scene)
         if count == 0:
-            self._solid, self._glass, self._casters = _empty_template(), _empty_template(), _empty_template()
+            self._solid, self._glass, self._casters = empty_template(), empty_template(), empty_template()
             self._caster_batches = []
             self.casting = self.receiving = np.zeros(0, np.bool_)
             self._solid_batches, self._combos = [], []
@@ -218,7 +155,7 @@ class DrawList:
         alive = table.alive
         blended = np.array([s.blended for s in states])
         self._solid = self._template(states, shapes, inverse, alive & ~blended[inverse])
-        self._solid_batches = _runs(self._solid.states)
+        self._solid_batches = runs_of(self._solid.states)
         self._glass = self._template(states, shapes, inverse, alive & blended[inverse])
         self._build_casters(states, shapes, inverse, alive)
         return True
@@ -233,7 +170,7 @@ class DrawList:
         self.receiving = alive & np.array(["unlit" not in s.features for s in states])[inverse]
         plain = [caster_state(s, effects[s.effect]) if casts_shadow(s, effects[s.effect]) else s for s in states]
         self._casters = self._template(plain, shapes, inverse, self.casting)
-        self._caster_batches = _runs(self._casters.states)
+        self._caster_batches = runs_of(self._casters.states)
 
     def _update_mirrored(self, scene: Scene) -> bool:
         """Which nodes turn their meshes inside out (negative determinant); True when that changed."""
@@ -260,7 +197,9 @@ class DrawList:
         for mesh, submesh, material, flags in self._combos:
             if material in records:
                 state = self._state(mesh, submesh, records[material], flags)
-                found.update(dict.fromkeys((material, side) for side in (_sides(state) if state.blended else (state,))))
+                found.update(
+                    dict.fromkeys((material, side) for side in (sides_of(state) if state.blended else (state,)))
+                )
         return list(found)
 
     def _state(self, mesh: int, submesh: int, record: MaterialRecord, flags: int) -> DrawState:
@@ -277,11 +216,11 @@ class DrawList:
     def _template(
         self, states: list[DrawState], shapes: list[tuple[int, int, int]],
         inverse: NDArray[np.intp], wanted: NDArray[np.bool_],
-    ) -> _Template:  # fmt: skip
+    ) -> Template:  # fmt: skip
         """Merge combos that differ in nothing but the material row into commands, sort commands by state."""
         keys = sorted(
             {(s, shape) for s, shape in zip(states, shapes, strict=True)},
-            key=lambda k: (QUEUE_ORDER[k[0].queue], *_sort_key(k[0]), k[1]),
+            key=lambda k: (QUEUE_ORDER[k[0].queue], *sort_key(k[0]), k[1]),
         )
         index = {key: i for i, key in enumerate(keys)}
         command_of_combo = np.array([index[key] for key in zip(states, shapes, strict=True)], np.intp)
@@ -291,7 +230,7 @@ class DrawList:
         commands = np.zeros(len(keys), COMMAND_DTYPE)
         for i, (_, (index_count, first_index, base_vertex)) in enumerate(keys):
             commands[i] = (index_count, 0, first_index, base_vertex, 0)
-        return _Template([k[0] for k in keys], commands, rows[order], commands_of_rows[order])
+        return Template([k[0] for k in keys], commands, rows[order], commands_of_rows[order])
 
     def _write_objects(self, scene: Scene) -> None:
         table = scene.instances
@@ -305,7 +244,7 @@ class DrawList:
             skin = scene.skins.of_nodes(table.node)
             if len(scene.skins):
                 data[:, 3] = scene.skins.first[skin]  # what has no skin does not read it
-        self.objects = _fit(self._device, self.objects, data)
+        self.objects = fit_buffer(self._device, self.objects, data)
 
     # --- frame ---
 
@@ -313,7 +252,7 @@ class DrawList:
         self, scene: Scene, visible: NDArray[np.bool_], eye: NDArray[np.float64], forward: NDArray[np.float64]
     ) -> None:
         """Fill batches, commands and ids for this frame. `visible` bool[instances]; `eye`, `forward` in world space."""
-        commands, solid_ids, self.opaque = _chosen(self._solid, self._solid_batches, visible, 0, 0)
+        commands, solid_ids, self.opaque = chosen(self._solid, self._solid_batches, visible, 0, 0)
         glass_commands, glass_ids, self.blended = self._sorted_glass(
             scene, visible, eye, forward, len(commands), len(solid_ids)
         )
@@ -324,8 +263,8 @@ class DrawList:
             (all_commands["index_count"].astype(np.int64) * all_commands["instance_count"]).sum() // 3
         )
         if len(ids):
-            self.ids = _fit(self._device, self.ids, ids)
-            self.commands = _fit(self._device, self.commands, all_commands)
+            self.ids = fit_buffer(self._device, self.ids, ids)
+            self.commands = fit_buffer(self._device, self.commands, all_commands)
 
     def _sorted_glass(
         self, scene: Scene, visible: NDArray[np.bool_], eye: NDArray[np.float64], forward: NDArray[np.float64],
@@ -342,10 +281,10 @@ class DrawList:
         order = np.lexsort((-depth, queue))
         rows, of_command = rows[order], of_command[order]
         # A double-sided body is drawn twice: its far faces, then its near ones, so that it shows through itself.
-        states = list(dict.fromkeys(side for s in glass.states for side in _sides(s)))
+        states = list(dict.fromkeys(side for s in glass.states for side in sides_of(s)))
         index = {state: i for i, state in enumerate(states)}
-        sides = np.array([[index[side] for side in (_sides(s) * 2)[:2]] for s in glass.states])
-        twice = np.array([len(_sides(s)) for s in glass.states])[of_command]
+        sides = np.array([[index[side] for side in (sides_of(s) * 2)[:2]] for s in glass.states])
+        twice = np.array([len(sides_of(s)) for s in glass.states])[of_command]
         source = np.repeat(np.arange(len(rows)), twice)
         second = np.concatenate([[False], source[1:] == source[:-1]])
         state_of_command = sides[of_command[source], second.astype(int)]
@@ -377,16 +316,16 @@ class DrawList:
         found: list[list[Batch]] = []
         first_command = first_id = 0
         for mask in masks:
-            commands, ids, batches = _chosen(self._casters, self._caster_batches, mask, first_command, first_id)
+            commands, ids, batches = chosen(self._casters, self._caster_batches, mask, first_command, first_id)
             parts.append((commands, ids))
             found.append(batches)
             first_command += len(commands)
             first_id += len(ids)
         if first_id:
             ids = np.concatenate([ids for _, ids in parts]).astype(np.uint32)
-            id_buffer = _fit(self._device, id_buffer, ids)
+            id_buffer = fit_buffer(self._device, id_buffer, ids)
             commands = np.concatenate([commands for commands, _ in parts])
-            command_buffer = _fit(self._device, command_buffer, commands)
+            command_buffer = fit_buffer(self._device, command_buffer, commands)
         return found, id_buffer, command_buffer
 
     def release(self) -> None:
@@ -397,48 +336,6 @@ class DrawList:
             buffer.release()
 
 
-def _chosen(
-    template: _Template, runs: list[tuple[int, int]], mask: NDArray[np.bool_], first_command: int, first_id: int
-) -> tuple[NDArray[np.void], NDArray[np.intp], list[Batch]]:
-    """The commands of a template for the instances in `mask`, their ids, and the batches that draw something."""
-    drawn = mask[template.row_order]
-    ids = template.row_order[drawn]
-    counts = np.bincount(template.row_command[drawn], minlength=len(template.commands))
-    commands = template.commands.copy()
-    commands["instance_count"] = counts
-    commands["base_instance"] = first_id + np.cumsum(counts) - counts
-    totals = np.add.reduceat(counts, [first for first, _ in runs]).tolist() if runs else []
-    batches = [
-        Batch(template.states[first], first_command + first, count)
-        for (first, count), total in zip(runs, totals, strict=True)
-        if total
-    ]
-    return commands, ids, batches
-
-
-def casts_shadow(state: DrawState, effect: Effect) -> bool:
-    """Solid, lit surfaces do. What is blended lets light through, what is unlit or a background is a picture of light,
-    and an effect without a technique for the role cannot be drawn into a map."""
-    return (
-        state.queue in ("opaque", "alpha_test")
-        and not state.transmissive
-        and state.topology in ("triangles", "triangle_strip")
-        and "unlit" not in state.features
-        and "shadow" in effect.techniques
-    )
-
-
-def caster_state(state: DrawState, effect: Effect) -> DrawState:
-    """`state` without what makes no difference in a depth map. Both faces are drawn: an open shell casts as well."""
-    features = effect.active("shadow", state.features)
-    group = state.group
-    if "alpha_test" not in features:
-        painted = {name for name, f in effect.features.items() if f.implied_by or "color" in f.needs}
-        features, group = frozenset(features - painted - {"uv1", "uv_transform"}), -1
-    features = kept(features, state.features)
-    return replace(state, features=features, group=group, cull="none", front_ccw=True, queue="opaque")
-
-
 def _placing_nodes(scene: Scene) -> NDArray[np.int64]:
     """The node that turns each instance: its own, or for a skinned one its first joint."""
     table, skins = scene.instances, scene.skins
@@ -447,57 +344,3 @@ def _placing_nodes(scene: Scene) -> NDArray[np.int64]:
     rows = np.flatnonzero(skin >= 0)
     node[rows] = skins.joint[skins.first[skin[rows]]]
     return node
-
-
-def _sides(state: DrawState) -> tuple[DrawState, ...]:
-    """The states in which a blended surface is drawn, in order."""
-    if state.cull != "none":
-        return (state,)
-    return (replace(state, cull="front"), replace(state, cull="back"))
-
-
-def _sort_key(state: DrawState) -> tuple[object, ...]:
-    return (
-        state.effect, state.level, state.topology, state.cull, state.front_ccw, sorted(state.features), state.arena,
-        state.group,
-    )  # fmt: skip
-
-
-def _runs(states: list[DrawState]) -> list[tuple[int, int]]:
-    """(first, count) of runs of equal neighbours."""
-    runs: list[tuple[int, int]] = []
-    for i, state in enumerate(states):
-        if runs and states[runs[-1][0]] == state:
-            runs[-1] = (runs[-1][0], runs[-1][1] + 1)
-        else:
-            runs.append((i, 1))
-    return runs
-
-
-def _fit(device: Device, buffer: Buffer, data: NDArray[np.generic]) -> Buffer:
-    """Write `data` into `buffer`, in a bigger one if it is too small."""
-    if buffer.size < data.nbytes:
-        label = buffer.label
-        buffer.release()
-        buffer = device.buffer(max(data.nbytes, 16), label=label)
-    buffer.write(np.ascontiguousarray(data))
-    return buffer
-
-
-def arena_streams(arena: MeshArena, effect: Effect, features: frozenset[str], role: str = "forward") -> tuple[str, ...]:
-    """The streams that a variant with these features fetches: nothing that no one reads."""
-    own = effect.techniques[role].streams if role in effect.techniques else ()
-    depth_only = role in ("depth", "shadow")
-    wanted = ["position"] if depth_only else ["position", "normal"]
-    if "normal_map" in features and not depth_only:
-        wanted.append("tangent")
-    if "uv0" in arena.layout and any(f.implied_by for name, f in effect.features.items() if name in features):
-        wanted.append("uv0")
-    if "uv1" in features:
-        wanted.append("uv1")
-    if "vertex_color" in features:
-        wanted.append("color")
-    if "skinning" in features:
-        wanted += ["joints", "weights", "joints1", "weights1"]
-    wanted += [name for name in own if name not in wanted]
-    return tuple(name for name in wanted if name in arena.layout)

@@ -71,4 +71,5 @@ class SceneFacts:
             "LIGHT_PROFILES": int(self.light_profiles or self.force_all),
             "LOCAL_SHADOWS": int(self.local_shadows > 0 or self.force_all),
             "SHADOW_FILTER": FILTERS.index(self.shadow_quality.filter),
+            "SHADOW_HALF": int(self.shadow_quality.moments and self.shadow_quality.precision == "half"),
         }

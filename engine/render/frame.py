@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from engine.framegraph.compiled import CompiledGraph
 from engine.gpu.types import Bindings, Buffer, Device, RenderPass, Sampler, Texture
-from engine.render.draw_list import Batch, DrawList
+from engine.render.draw_list import DrawList
+from engine.render.draw_states import Batch
 from engine.render.exposure import ExposureState
 from engine.render.facts import SceneFacts
 from engine.render.legends import Legend

@@ -10,6 +10,7 @@ view `nonfinite`), so a frame that does not ask has nothing of it, no texture, n
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -68,6 +69,8 @@ class _Job:
     resource: str
     desc: TextureDesc
     level: int
+    #: one that is no resource of the graph
+    texture: Texture | None = None
 
     @property
     def size(self) -> tuple[int, int, int]:
@@ -105,9 +108,17 @@ class NumberCheck:
         """r32ui of the last checked view's size: bit 0 NaN, 1 infinite, 2 negative, 3 above HIGHEST."""
         return self._marks
 
-    def begin(self, graph: CompiledGraph) -> None:
-        """Before the passes of `graph` run."""
+    def begin(self, graph: CompiledGraph, place: str = "", also: Sequence[tuple[str, Texture]] = ()) -> None:
+        """Before the passes of `graph` run. `also`: textures (by name) that were written before that, at `place`; they
+        are looked into here."""
         jobs, unchecked = _jobs(graph)
+        before = [
+            _Job(place, name, texture.desc, level, texture)
+            for name, texture in also
+            if texture.desc.format in FLOATS and texture.desc.kind in KINDS
+            for level in range(texture.desc.mips)
+        ]
+        jobs = [*before, *jobs]
         device = self._device
         rows = np.zeros(max(len(jobs), 1), RECORD.dtype)
         rows["first"] = NONE
@@ -119,7 +130,7 @@ class NumberCheck:
             row = np.zeros((), JOB.dtype)
             row["size"], row["level"], row["record"] = job.size, job.level, index
             row["samples"], row["highest"] = job.desc.samples, HIGHEST
-            row["radiance"] = job.desc.format in RADIANCE
+            row["radiance"] = job.desc.format in RADIANCE and job.texture is None
             row["marks"] = job.desc.kind == "2d"
             blocks[index, : JOB.size] = np.frombuffer(row.tobytes(), np.uint8)
             by_pass.setdefault(job.pass_name, []).append(index)
@@ -127,6 +138,7 @@ class NumberCheck:
             jobs, unchecked, device.buffer(rows, label="number records"), device.buffer(blocks, label="number jobs"),
             stride, self._clean_marks(*graph.size), by_pass,
         )  # fmt: skip
+        self.after(graph, place)
 
     def after(self, graph: CompiledGraph, pass_name: str) -> None:
         """Right after `pass_name` ran, before a later one takes the memory of its textures."""
@@ -142,7 +154,7 @@ class NumberCheck:
                 bindings = Bindings(
                     uniforms={1: (running.blocks, index * running.stride, JOB.size)},
                     storage={0: running.records},
-                    textures={CHECKED_UNIT: (graph.texture(job.resource), self._sampler)},
+                    textures={CHECKED_UNIT: (job.texture or graph.texture(job.resource), self._sampler)},
                     images={0: (running.marks, 0, "read_write")},
                 )
                 encoder.set_pipeline(self._pipeline(kind, 0))

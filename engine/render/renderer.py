@@ -42,6 +42,7 @@ from engine.render.paths.choice import PASSES, choose, lighting_of
 from engine.render.paths.cost import CostModel
 from engine.render.paths.cost import load as load_costs
 from engine.render.programs import Programs
+from engine.render.scene_variants import SceneVariants
 from engine.render.settings import LIT_LOOK, NONFINITE, ON_BLACK
 from engine.render.shadows.local import LocalShadows
 from engine.render.shadows.quality import ShadowQuality, filter_for
@@ -53,6 +54,7 @@ from engine.report.number_check import NumberReport
 from engine.report.stats import FrameStats
 from engine.resources.environment import DfgTable
 from engine.resources.material_store import MaterialRecord
+from engine.resources.procedural import PLACE
 from engine.resources.residency import Residency
 from engine.scene.culling import visible_instances
 from engine.scene.scene import Scene
@@ -76,6 +78,9 @@ class Renderer:
         self.cost_model: CostModel = load_costs(device.caps)
         self.environments = Environments(device)
         self.draws = DrawList(device, residency)
+        self.variants = SceneVariants(residency, self.programs, self.draws)
+        #: whether its views' quality decides how large computed textures are, which all renderers share
+        self.leads = True
         self._dfg = DfgTable(device)
         self._transforms = TransformRows(device)
         self._lights = LightRows(device)
@@ -138,9 +143,10 @@ class Renderer:
         frame = self._frame(scene, view, origin, hdr)
         ahead = self.programs.ahead
         ahead.start(None if view.settings.wants_numbers else patience, frame.facts)
-        if not self._begun(frame.facts):
+        if not self.variants.begun(frame.facts):
             self._give_up()
             return None
+        self._compute_textures(view)
         graph = self.graph.compile(
             device, frame.facts, (view.width, view.height), force_all=view.settings.force_all, key=hdr
         )
@@ -173,12 +179,12 @@ class Renderer:
             graph.texture("color"), hdr_texture, stats, graph, frame.facts, numbers, self.path, legend, settled
         )
 
-    def _begun(self, facts: SceneFacts) -> bool:
-        """Whether no program of the scene would be waited for."""
-        materials, key = self.residency.materials, (facts, self.draws.built_rev, self.residency.effects.revision)
-        return self.programs.begun(
-            key, lambda: self.draws.states_of(dict(enumerate(materials.records))), facts, self.residency.arenas
-        )
+    def _compute_textures(self, view: View) -> None:
+        """Have the textures that effects compute up to date, of all that is drawn, seen or not."""
+        textures, draws = self.residency.procedural, self.draws
+        if self.leads:
+            textures.quality = str(view.settings.quality)
+        textures.update(self.residency.materials, lambda: draws.materials, id(self), draws.built_rev)
 
     def _give_up(self) -> None:
         self._timer.drop()
@@ -199,12 +205,11 @@ class Renderer:
 
     def requests(self, records: Mapping[int, MaterialRecord]) -> list[VariantRequest]:
         """The shader variants that the last frame would have asked for if these materials were as in `records`."""
-        return self.programs.requests(self.draws.states_of(records), records)
+        return list(self.variants.uses(records))
 
     def variant_uses(self) -> dict[VariantRequest, list[int]]:
         """The shader variants of the last frame's scene, seen or not, and the materials that want each."""
-        records = dict(enumerate(self.residency.materials.records))
-        return self.programs.uses(self.draws.states_of(records), records)
+        return self.variants.uses(dict(enumerate(self.residency.materials.records)))
 
     @property
     def profiles(self) -> LightTables:
@@ -223,6 +228,7 @@ class Renderer:
         return self._skinning.findings
 
     def release(self) -> None:
+        self.residency.procedural.forget(id(self))
         for graph in self.graphs.values():
             graph.release()
         for part in (
@@ -345,7 +351,8 @@ class Renderer:
                 filter_for(settings.shadow_filter, software=self.device.caps.software),
                 settings.shadow_cascades,
                 settings.shadow_size,
-            ),
+                str(settings.shadow_precision),
+            ).used(),
         )
         facts = self.hysteresis(scene, (hdr, view.width, view.height, settings.force_all), facts)
         facts = self._light_path(view, facts, block)
@@ -438,7 +445,7 @@ class Renderer:
             return None
         if self._numbers is None:
             self._numbers = NumberCheck(self.device)
-        self._numbers.begin(graph)
+        self._numbers.begin(graph, PLACE, self.residency.procedural.textures())
         return self._numbers
 
     def _observer(self, graph: CompiledGraph, check: NumberCheck | None) -> OnPass:

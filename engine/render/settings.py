@@ -5,7 +5,7 @@ from __future__ import annotations
 from engine.core.param import ParamBlock, param
 from engine.render.lighting import DEPTHS, PATH_CHOICES, TESTS, TILE_SIZES
 from engine.render.occlusion import METHOD_CHOICES
-from engine.render.shadows.quality import DEFAULT, FILTER_CHOICES
+from engine.render.shadows.quality import DEFAULT, FILTER_CHOICES, PRECISIONS
 
 TONE_MAPS = ("none", "agx", "aces", "neutral")
 DEBUG_VIEWS = (
@@ -70,7 +70,7 @@ class RenderSettings(ParamBlock):
         doc="how local lights reach surfaces; all give one picture. auto: the cheapest for this scene and device."
         " The deferred ones need samples = 1",
     )  # fmt: skip
-    light_tile: str = param("16", choices=tuple(map(str, TILE_SIZES)), unit="px", doc="width of a tile of light lists")
+    light_tile: str = param("8", choices=tuple(map(str, TILE_SIZES)), unit="px", doc="width of a tile of light lists")
     light_test: str = param(
         "aabb", choices=TESTS, doc="light against tile: planes of its frustum, box about its pixels, cone from the eye"
     )
@@ -85,8 +85,18 @@ class RenderSettings(ParamBlock):
     shadows: bool = param(True, doc="the sun (the first one) casts shadows")
     shadow_filter: str = param(
         "auto", choices=FILTER_CHOICES,
-        doc="auto: by device; none: texels; pcf: 2x2; vogel: lookups in a disc; pcss: soft away from what casts",
+        doc="auto: by device; none: texels; pcf: 2x2; vogel, poisson: lookups in a disc; pcss: soft away from what"
+        " casts; esm, vsm, evsm, msm: blurred maps, any softness at one lookup (the sun's; lamps take vogel8)",
     )  # fmt: skip
+    shadow_precision: str = param(
+        "single", choices=PRECISIONS, doc="numbers of blurred maps; half: half the memory, more light leaks"
+    )
+    shadow_exponent: float = param(
+        42.0, min=1.0, max=42.0, step=1.0, doc="esm, evsm: how sharply depths are told apart; half numbers: 5.54 at most"
+    )
+    shadow_leak: float = param(
+        0.15, min=0.0, max=0.9, step=0.01, doc="blurred maps: light up to this part is none; more: darker penumbrae"
+    )
     shadow_cascades: int = param(DEFAULT.cascades, min=1, max=8, doc="shadow maps for near to far")
     shadow_size: int = param(DEFAULT.size, min=16, max=8192, unit="px", doc="width of each shadow map")
     shadow_distance: float = param(

@@ -38,7 +38,8 @@ VIEW_LAYOUT = layout(
         Field("clusters", "vec4"),  # slice = log2(view depth) * x + y; z slices, 0 where lists are of tiles
         Field("shadow_axes", "vec4", 3),  # world -> light space: right, up, towards the sun
         Field("shadow", "vec4"),  # cascades, filter radius in texels, tangent of the sun's half angle, 1 / map size
-        Field("shadow_fade", "vec4"),  # view depth where shadows begin to fade, 1 / how long they do
+        # view depth where shadows begin to fade, 1 / how long they do; moments: exponent, part of light that is none
+        Field("shadow_fade", "vec4"),
         # per cascade: x, y (light space, rel. to the origin), 1 / half width, texel in m; bottom, 1 / depth, half width
         Field("shadow_cascades", "vec4", 2 * MAX_CASCADES),
     ],

@@ -143,6 +143,11 @@ class MaterialStore:
         if record.whole is not None:
             record.whole.params[name] = value
 
+    def put_layer(self, material: int, slot: str, layer: int) -> None:
+        """Let a slot read another layer of its array."""
+        record = self.records[material]
+        self._effects[record.effect.name].table.put_layer(record.row, slot, layer)
+
     def get_param(self, material: int, name: str) -> Any:
         """The value as the material has it, or the effect's default."""
         record = self.records[material]

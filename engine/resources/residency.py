@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.assets.lmesh import read_lmesh
-from engine.assets.material import QUEUES, MaterialAsset
+from engine.assets.material import QUEUES, MaterialAsset, TextureRef
 from engine.assets.material_parent import chain_files
 from engine.assets.material_toml import read_material
 from engine.assets.mesh import MeshAsset
@@ -32,6 +32,7 @@ from engine.materials.fit import fitted, in_numbers, merged, unfit
 from engine.materials.library import EffectLibrary
 from engine.resources.arena import MeshArena, MeshSlice
 from engine.resources.material_store import MaterialRecord, MaterialStore
+from engine.resources.procedural import ProceduralTextures
 from engine.resources.texture_files import TextureFiles
 from engine.resources.texture_pool import PooledTexture, TexturePool
 
@@ -94,6 +95,8 @@ class Residency:
         self._parents: dict[Path, frozenset[Path]] = {}
         #: the texture files that materials read
         self.textures = TextureFiles(self.pool, self.findings)
+        #: texture slots that effects fill themselves
+        self.procedural = ProceduralTextures(device, self.pool, effects, self.findings)
         self._defaults: dict[str, PooledTexture] = {}
         self._default_material = -1
 
@@ -264,6 +267,7 @@ class Residency:
         for arena in self.arenas:
             arena.release()
         self.materials.release()
+        self.procedural.release()
         self.pool.release()
 
     # --- inside ---
@@ -285,7 +289,12 @@ class Residency:
             raise source.error(("effect",), error.message, hint=error.hint, value=True) from error
 
     def _textures(self, asset: MaterialAsset, effect: Effect, base: Path) -> dict[str, PooledTexture]:
-        return {slot.name: self._slot_texture(asset, slot.name, slot.default, base) for slot in effect.textures}
+        return {
+            slot.name: self.procedural.pooled(effect, slot.name)
+            if slot.name in effect.computed and not asset.textures.get(slot.name, TextureRef("")).path
+            else self._slot_texture(asset, slot.name, slot.default, base)
+            for slot in effect.textures
+        }
 
     def _slot_texture(self, asset: MaterialAsset, slot: str, default: str, base: Path) -> PooledTexture:
         ref = asset.textures.get(slot)

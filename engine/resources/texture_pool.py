@@ -104,6 +104,20 @@ class TexturePool:
         self._write(old.array, old.layer, unpacked(self._device, asset) if key[0] != asset.format else asset)
         return old
 
+    def own(self, texture: Texture) -> int:
+        """The index of an array that nobody else gets layers of; the pool releases it."""
+        desc = texture.desc
+        self._arrays.append(_Array((desc.format, desc.width, desc.height, desc.mips), texture, desc.layers))
+        self._bytes += texture_bytes(desc)
+        return len(self._arrays) - 1
+
+    def exchange(self, array: int, texture: Texture) -> None:
+        """Another texture in the place of one that was given to `own`."""
+        entry = self._arrays[array]
+        self._bytes += texture_bytes(texture.desc) - texture_bytes(entry.texture.desc)
+        entry.texture.release()
+        entry.texture, entry.used = texture, texture.desc.layers
+
     def _write(self, index: int, layer: int, asset: TextureAsset) -> int:
         texture = self._arrays[index].texture
         for level, data in enumerate(asset.levels[0]):

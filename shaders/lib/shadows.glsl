@@ -1,8 +1,15 @@
 // Shadows of the first sun: cascaded maps of depth (1 towards the sun), looked up in light space.
 // The maps and their fields of the view block come from engine/render/shadows; the bias is explained in bias.py there.
+//   SHADOW_FILTER: FILTERS of engine/render/shadows/quality.py
 #include "lib/disc.glsl"
+#define SHADOW_MOMENTS (SHADOW_FILTER >= 8)
 
+#if SHADOW_MOMENTS
+#include "lib/shadow_moments.glsl"
+layout(binding = 12) uniform sampler2DArray t_sun_moments;
+#else
 layout(binding = 11) uniform sampler2DArrayShadow t_sun_shadow;
+#endif
 #if SHADOW_FILTER == 4
 layout(binding = 12) uniform sampler2DArray t_sun_depth;
 #endif
@@ -13,6 +20,7 @@ const float SHADOW_MAX_SLOPE = 4.0;
 const float SHADOW_MARGIN = 6.0;          // texels at the edge that only filters look into, fit.py
 const float SHADOW_BLEND = 0.1;           // of a cascade's half width
 const float SHADOW_MAX_PENUMBRA = 12.0;   // texels, pcss
+const float SHADOW_MOST_LEVEL = 2.0;      // mips of moments, MIPS in engine/render/passes/shadow_moments.py
 
 // What a point looks like to one cascade: where it looks, and the receiver's plane.
 struct ShadowReceiver {
@@ -51,6 +59,24 @@ float shadow_depth(ShadowReceiver r, vec2 offset)
     return (r.at.z + dot(r.slope, offset) - r.depth.x) * r.depth.y;
 }
 
+#if SHADOW_MOMENTS
+// What the blurred map leaves of the sun. Where a pixel is wider than a texel, the mean of as many as it covers.
+// n, f: as in `receiver`; depth: along the view.
+float shadow_moments(int i, vec3 p, vec3 n, vec3 f, float depth)
+{
+    float texel = view.shadow_cascades[2 * i].w;
+    float pixel = length(view.place_y.xyz) * 2.0 * view.size.w * (view.camera.w > 0.5 ? depth : 1.0);
+    float level = clamp(log2(max(pixel, 1e-30) / max(texel, 1e-30)), 0.0, SHADOW_MOST_LEVEL);
+    // over a slope, the blurred depths of the surface itself are a bound from below for the filters up to evsm2 only
+    float reach = SHADOW_FILTER >= 11 ? view.shadow.y : 0.0;
+    float sine = max(length(f.xy), length(n.xy));
+    ShadowReceiver r = receiver(i, p, n, f, 0.0);
+    r.at = p + (n * (sine * (SHADOW_FOOTPRINT + reach)) + vec3(0.0, 0.0, SHADOW_CONSTANT)) * (texel * exp2(level));
+    vec4 m = textureLod(t_sun_moments, shadow_uv(r, vec2(0.0)), level);
+    float t = 1.0 - 2.0 * clamp(shadow_depth(r, vec2(0.0)), 0.0, 1.0);
+    return moment_visibility(m, t, view.shadow_fade.z, view.shadow_fade.w, 2.0 * texel * r.depth.y);
+}
+#else
 // 1 where the sun reaches the point beside the receiver at `offset` (m in light space), hardware-filtered.
 float shadow_tap(ShadowReceiver r, vec2 offset)
 {
@@ -69,6 +95,17 @@ float shadow_disc(ShadowReceiver r, int taps, float radius, float turn)
     }
     return lit / float(taps);
 }
+
+#if SHADOW_FILTER >= 5
+// As the thesis has it: the same points for every pixel.
+float shadow_poisson(ShadowReceiver r, int taps, float radius)
+{
+    float lit = 0.0;
+    for (int k = 0; k < taps; ++k) lit += shadow_tap(r, POISSON[k] * (radius * r.square.w));
+    return lit / float(taps);
+}
+#endif
+#endif
 
 #if SHADOW_FILTER == 4
 // Fernando 2005, "Percentage-closer soft shadows", for a sun: the penumbra is as wide as the sun's disc seen over the
@@ -96,9 +133,13 @@ float shadow_penumbra(ShadowReceiver r, float turn)
 }
 #endif
 
-float cascade_visibility(int i, vec3 p, vec3 n, vec3 f, float turn)
+float cascade_visibility(int i, vec3 p, vec3 n, vec3 f, float turn, float depth)
 {
-#if SHADOW_FILTER == 0 || SHADOW_FILTER == 1
+#if SHADOW_MOMENTS
+    return shadow_moments(i, p, n, f, depth);
+#elif SHADOW_FILTER >= 5
+    return shadow_poisson(receiver(i, p, n, f, view.shadow.y), 8 * (SHADOW_FILTER - 4), view.shadow.y);
+#elif SHADOW_FILTER == 0 || SHADOW_FILTER == 1
     return shadow_tap(receiver(i, p, n, f, 0.0), vec2(0.0));
 #elif SHADOW_FILTER == 4
     ShadowReceiver r = receiver(i, p, n, f, SHADOW_MAX_PENUMBRA);
@@ -147,14 +188,14 @@ float sun_visibility(vec3 p, vec3 n, vec3 f, uvec2 pixel)
     float f2 = dot(f_light, f_light);
     f_light = f2 > 1e-30 ? f_light * inversesqrt(f2) : n_light;  // also where it is not a number
     float turn = pixel_turn(pixel);
-    float lit = cascade_visibility(i, at, n_light, f_light, turn);
+    float depth = -dot(vec4(view.view_from_origin[0].z, view.view_from_origin[1].z, view.view_from_origin[2].z,
+                            view.view_from_origin[3].z), vec4(p, 1.0));
+    float lit = cascade_visibility(i, at, n_light, f_light, turn, depth);
     if (edge > 0.0) {
         float ignored;
         int next = cascade_of(at, i + 1, ignored);
-        if (next >= 0) lit += (cascade_visibility(next, at, n_light, f_light, turn) - lit) * edge;
+        if (next >= 0) lit += (cascade_visibility(next, at, n_light, f_light, turn, depth) - lit) * edge;
     }
-    float depth = -dot(vec4(view.view_from_origin[0].z, view.view_from_origin[1].z, view.view_from_origin[2].z,
-                            view.view_from_origin[3].z), vec4(p, 1.0));
     return lit + (1.0 - lit) * sat((depth - view.shadow_fade.x) * view.shadow_fade.y);
 }
 

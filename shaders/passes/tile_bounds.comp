@@ -33,6 +33,33 @@ void main()
         float near = 3e38;
         float far = 0.0;
         uint flags = 0u;
+#if DEPTH_BINS
+        // the depths alone; the boxes about pixels follow when their middle is known
+        float least = 2.0;
+        float most = 0.0;
+        for (int y = first.y; y < end.y; ++y) {
+            for (int x = first.x; x < end.x; ++x) {
+                for (int s = 0; s < SAMPLES; ++s) {
+                    float z = texelFetch(t_depth, ivec2(x, y), s).r;
+                    bool there = z > 0.0 && z <= 1.0;
+                    least = there ? min(least, z) : least;
+                    most = there ? max(most, z) : most;
+                    flags |= there ? 1u : 2u;
+                }
+            }
+        }
+        if ((flags & 1u) != 0u) {
+            for (int k = 0; k < 8; ++k) {
+                vec2 corner = vec2((k & 1) != 0 ? end.x : first.x, (k & 2) != 0 ? end.y : first.y);
+                vec3 p = position_from_depth(corner, (k & 4) != 0 ? most : least);
+                float d = view_depth(p);
+                lo = min(lo, p);
+                hi = max(hi, p);
+                near = min(near, d);
+                far = max(far, d);
+            }
+        }
+#else
         for (int y = first.y; y < end.y; ++y) {
             for (int x = first.x; x < end.x; ++x) {
                 for (int s = 0; s < SAMPLES; ++s) {
@@ -51,6 +78,7 @@ void main()
                 }
             }
         }
+#endif
         // rounding, and where a pixel has several samples, that they lie beside its middle
         float pad = 1e-5 * (far + length(max(abs(lo), abs(hi))));
 #if SAMPLES > 1

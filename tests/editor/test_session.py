@@ -73,20 +73,30 @@ def test_a_defect_in_an_importer_is_an_error_of_that_file(session: Session, monk
     assert "ZeroDivisionError" in session.ui.error_bar
 
 
-def test_the_old_runtime_is_closed_when_the_next_one_is_open(session: Session) -> None:
+def test_a_file_that_is_open_comes_to_the_front_and_is_read_anew_when_asked(session: Session) -> None:
     first = opened(session)
     second = opened(session, "other.glb")
+    assert not first.runtime.closed
+    opened(session)
+    assert session.document is first
+    session.open(first.source, again=True)
+    assert session.job is not None
+    session.job.wait(10)
+    session.poll()
     assert first.runtime.closed
-    assert not second.runtime.closed
+    assert [tab.document for tab in session.tabs] == [session.document, second]
 
 
 def test_unsaved_changes_are_asked_about_first(session: Session) -> None:
     document = opened(session)
     session.set_visible((1,), False)
-    session.open(Path("/nowhere/other.glb"))
+    opened(session, "other.glb")
+    assert session.ui.after_discard is None
+    session.open(document.source, again=True)
     assert session.job is None
     assert session.ui.after_discard is not None
     assert session.document is document
+    assert session.asked_about == ["thing.glb"]
     assert not session.request_quit()
 
 

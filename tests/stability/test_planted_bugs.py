@@ -12,7 +12,7 @@ import pytest
 from engine.core.errors import LucarnaError
 from engine.core.paths import shaders_dir
 from engine.gpu.types import Device
-from engine.render import programs
+from engine.render import variant_requests
 from engine.render.facts import SceneFacts
 from engine.render.passes.light_volumes import LightVolumesPass
 from engine.render.passes.resolve import ResolvePass
@@ -182,8 +182,8 @@ def test_a_branch_compiled_out_wrongly(
         return sound(self) if self.force_all else {**sound(self), branch: 0}
 
     if branch == "LOCAL_LIGHTS":  # decided per path
-        local = programs._local_lights
-        monkeypatch.setattr(programs, "_local_lights", lambda s, facts, *r: local(s, facts, *r) * facts.force_all)
+        local = variant_requests._local_lights
+        monkeypatch.setattr(variant_requests, "_local_lights", lambda s, facts, *r: local(s, facts, *r) * facts.force_all)
     monkeypatch.setattr(SceneFacts, "variant_defines", without)
     stage = Stage(gl_device)
     with pytest.raises(AssertionError, match="pixels differ"):

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from engine.core.paths import shaders_dir
 from engine.gpu.preprocess import flatten
 from engine.gpu.types import Bindings, ComputePipelineDesc, Device
-from engine.render.programs import SCENE_PRELUDE
+from engine.render.blocks import SCENE_PRELUDE
 
 TYPES = {1: "float", 2: "vec2", 3: "vec3", 4: "vec4"}
 SWIZZLES = {1: "x", 2: "xy", 3: "xyz", 4: "xyzw"}

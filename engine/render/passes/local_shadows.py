@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
 from typing import Any, ClassVar
 
 from engine.framegraph.builder import Builder
 from engine.framegraph.passes import WHOLE_PICTURE, Pass, PassContext
-from engine.gpu.types import DepthAttachment, DepthState, SamplerDesc, Texture
+from engine.gpu.types import DepthAttachment, DepthState, SamplerDesc
 from engine.render.facts import SceneFacts
 from engine.render.frame import LOCAL_SHADOW_UNIT, RenderFrame
-from engine.render.passes.shadow_cascades import REMEMBERED
+from engine.render.kept import KeptParts
 
 #: d32f: 1e-6 m / distance from the light, 0 where nothing casts; only the tiles of this frame mean anything
 LOCAL_SHADOW = "local_shadow"
@@ -31,7 +30,7 @@ class LocalShadowsPass(Pass):
 
     def __init__(self) -> None:
         super().__init__()
-        self._drawn: list[tuple[Texture, dict[Square, Hashable]]] = []
+        self._drawn: KeptParts[Square] = KeptParts()
 
     def needs(self, facts: SceneFacts) -> bool | str:
         if facts.local_shadows:
@@ -46,7 +45,7 @@ class LocalShadowsPass(Pass):
     def execute(self, ctx: PassContext) -> None:
         frame: RenderFrame = ctx.frame
         texture = ctx.texture(LOCAL_SHADOW)
-        drawn = self._content_of(texture)
+        drawn = self._drawn.of(texture)
         if not drawn:
             drawn[(0, 0, 0)] = "empty"
             ctx.device.render_pass("local shadows cleared", [], DepthAttachment(texture, clear=0.0)).end()
@@ -67,14 +66,6 @@ class LocalShadowsPass(Pass):
                 frame.draw_casters(render_pass, frame.draws.lamp_batches[i], block, lamps=True)
             if not frame.programs.ahead.skipping:  # else it is not whole
                 drawn[square] = tile.key
-
-    def _content_of(self, texture: Texture) -> dict[Square, Hashable]:
-        """tile -> key of what was last drawn into it."""
-        for known, content in self._drawn:
-            if known is texture:
-                return content
-        self._drawn = [*self._drawn[1 - REMEMBERED :], (texture, {})]
-        return self._drawn[-1][1]
 
 
 def _overlap(a: Square, b: Square) -> bool:

@@ -14,7 +14,7 @@ from engine.render.gbuffer import LAYOUTS, NO_REFLECTION, texture_names
 from engine.render.passes.ambient_occlusion import FILTERED, ambient_inputs
 from engine.render.passes.light_culling import LIGHT_TILES, light_list_inputs
 from engine.render.passes.local_shadows import LOCAL_SHADOW, local_shadow_inputs
-from engine.render.passes.shadow_cascades import SUN_SHADOW, shadow_inputs
+from engine.render.passes.shadow_cascades import SUN_MOMENTS, SUN_SHADOW, shadow_inputs
 
 HDR_FORMAT = "rgba16f"
 
@@ -33,6 +33,7 @@ class OpaquePass(Pass):
 
     def declare(self, b: Builder) -> None:
         b.read(SUN_SHADOW, optional=True)
+        b.read(SUN_MOMENTS, optional=True)
         b.read(LOCAL_SHADOW, optional=True)
         samples, lighting = b.facts.samples, b.facts.lighting
         if lighting.deferred:
@@ -87,6 +88,7 @@ class OpaqueForwardPass(Pass):
 
     def declare(self, b: Builder) -> None:
         b.read(SUN_SHADOW, optional=True)
+        b.read(SUN_MOMENTS, optional=True)
         b.read(LOCAL_SHADOW, optional=True)
         b.read(FILTERED, optional=True)
         b.write("hdr")

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
 from typing import Any, ClassVar
 
 from engine.framegraph.builder import Builder
 from engine.framegraph.passes import WHOLE_PICTURE, Pass, PassContext
-from engine.gpu.types import DepthAttachment, SamplerDesc, Texture
+from engine.gpu.types import DepthAttachment, SamplerDesc
 from engine.render.facts import SceneFacts
 from engine.render.frame import SHADOW_DEPTH_UNIT, SHADOW_UNIT, RenderFrame
+from engine.render.kept import KeptParts
+from engine.render.shadows.quality import LINEAR
 
 #: d32f array: 1 towards the sun, 0 where nothing casts; only the layers of this frame's cascades mean anything
 SUN_SHADOW = "sun_shadow"
-
-#: textures whose content is remembered: as many as the frame graph keeps views
-REMEMBERED = 8
+#: blurred moments of its depths, where the filter asks for them (passes/shadow_moments.py)
+SUN_MOMENTS = "sun_shadow_moments"
 
 
 class ShadowCascadesPass(Pass):
@@ -29,7 +29,7 @@ class ShadowCascadesPass(Pass):
 
     def __init__(self) -> None:
         super().__init__()
-        self._drawn: list[tuple[Texture, dict[int, Hashable]]] = []
+        self._drawn: KeptParts[int] = KeptParts()
 
     def needs(self, facts: SceneFacts) -> bool | str:
         return True if facts.sun_shadows else "no sun, nothing that casts or shows a shadow, or shadows are off"
@@ -43,7 +43,7 @@ class ShadowCascadesPass(Pass):
     def execute(self, ctx: PassContext) -> None:
         frame: RenderFrame = ctx.frame
         texture = ctx.texture(SUN_SHADOW)
-        drawn = self._content_of(texture)
+        drawn = self._drawn.of(texture)
         shadows = frame.shadows
         if not shadows.cascades and drawn.get(0) != "empty":
             drawn[0] = "empty"
@@ -61,20 +61,14 @@ class ShadowCascadesPass(Pass):
             if not frame.programs.ahead.skipping:  # else it is not whole
                 drawn[layer] = key
 
-    def _content_of(self, texture: Texture) -> dict[int, Hashable]:
-        """layer -> key of what was last drawn into it."""
-        for known, content in self._drawn:
-            if known is texture:
-                return content
-        self._drawn = [*self._drawn[1 - REMEMBERED :], (texture, {})]
-        return self._drawn[-1][1]
-
 
 def shadow_inputs(ctx: PassContext) -> dict[int, Any]:
     """The map for the lookups of surface shaders, by texture unit; nothing where the frame has none."""
+    frame: RenderFrame = ctx.frame
+    if ctx.has(SUN_MOMENTS):
+        return {SHADOW_DEPTH_UNIT: (ctx.texture(SUN_MOMENTS), ctx.device.sampler(LINEAR))}
     if not ctx.has(SUN_SHADOW):
         return {}
-    frame: RenderFrame = ctx.frame
     texture = ctx.texture(SUN_SHADOW)
     filter = "nearest" if frame.facts.shadow_quality.filter == "none" else "linear"
     compare = ctx.device.sampler(SamplerDesc("clamp", "clamp", "clamp", filter, filter, compare="gequal"))

@@ -17,6 +17,7 @@ from engine.render.passes.opaque import OpaqueForwardPass, OpaquePass
 from engine.render.passes.resolve import ResolvePass
 from engine.render.passes.scene_color import SceneColorPass
 from engine.render.passes.shadow_cascades import ShadowCascadesPass
+from engine.render.passes.shadow_moments import ShadowMomentsPass
 from engine.render.passes.sky import SkyPass
 from engine.render.passes.tiled_shading import TiledShadingPass
 from engine.render.passes.tone_map import ToneMapPass
@@ -26,7 +27,7 @@ from engine.render.passes.transparent import TransparentPass
 def deferred_passes() -> list[Pass]:
     """Each light's volume is drawn over what it reaches."""
     return [
-        ShadowCascadesPass(), LocalShadowsPass(), DepthPrepass(), AmbientOcclusionPass(),
+        ShadowCascadesPass(), ShadowMomentsPass(), LocalShadowsPass(), DepthPrepass(), AmbientOcclusionPass(),
         OpaquePass(), LightVolumesPass(),
         LightResolvePass(), OpaqueForwardPass(), SkyPass(), LightCullingPass(),
         SceneColorPass(), TransparentPass(),
@@ -37,7 +38,7 @@ def deferred_passes() -> list[Pass]:
 def tiled_deferred_passes() -> list[Pass]:
     """Lists of lights per tile, then one compute pass over the pixels."""
     return [
-        ShadowCascadesPass(), LocalShadowsPass(), DepthPrepass(), AmbientOcclusionPass(),
+        ShadowCascadesPass(), ShadowMomentsPass(), LocalShadowsPass(), DepthPrepass(), AmbientOcclusionPass(),
         OpaquePass(), LightCullingPass(),
         TiledShadingPass(), OpaqueForwardPass(), SkyPass(),
         SceneColorPass(), TransparentPass(), LightHeatPass(),

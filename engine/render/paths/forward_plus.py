@@ -15,6 +15,7 @@ from engine.render.passes.opaque import OpaquePass
 from engine.render.passes.resolve import ResolvePass
 from engine.render.passes.scene_color import SceneColorPass
 from engine.render.passes.shadow_cascades import ShadowCascadesPass
+from engine.render.passes.shadow_moments import ShadowMomentsPass
 from engine.render.passes.sky import SkyPass
 from engine.render.passes.tone_map import ToneMapPass
 from engine.render.passes.transparent import TransparentPass
@@ -22,7 +23,7 @@ from engine.render.passes.transparent import TransparentPass
 
 def forward_plus_passes() -> list[Pass]:
     return [
-        ShadowCascadesPass(), LocalShadowsPass(), DepthPrepass(), AmbientOcclusionPass(),
+        ShadowCascadesPass(), ShadowMomentsPass(), LocalShadowsPass(), DepthPrepass(), AmbientOcclusionPass(),
         LightCullingPass(), OpaquePass(), SkyPass(), SceneColorPass(), TransparentPass(), LightHeatPass(),
         AutoExposurePass(), BloomPass(), ResolvePass(), ToneMapPass(), FxaaPass(),
     ]  # fmt: skip

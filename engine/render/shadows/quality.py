@@ -2,14 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+from engine.gpu.types import SamplerDesc
+from engine.render.shadows.moments import COUNTS, format_of
 
 #: the index is SHADOW_FILTER in shaders/lib/shadows.glsl
-FILTERS = ("none", "pcf", "vogel8", "vogel16", "pcss")
-
+FILTERS = (
+    "none", "pcf", "vogel8", "vogel16", "pcss", "poisson8", "poisson16", "poisson24",
+    "esm", "vsm", "evsm2", "evsm4", "msm",
+)  # fmt: skip
+#: those that look into blurred moments of depth
+MOMENTS = frozenset(COUNTS)
+PRECISIONS = ("single", "half")
 
 #: what a view may ask for: `auto` is what the device can afford
 FILTER_CHOICES = ("auto", *FILTERS)
+#: lookups of moments: between texels, and between mips
+LINEAR = SamplerDesc("clamp", "clamp", "clamp", "linear_mip_linear", "linear")
 
 
 def filter_for(choice: str, *, software: bool) -> str:
@@ -22,11 +32,26 @@ def filter_for(choice: str, *, software: bool) -> str:
 
 @dataclass(frozen=True, slots=True)
 class ShadowQuality:
-    """`size` texels square, `cascades` layers, `filter` of FILTERS."""
+    """`size` texels square, `cascades` layers, `filter` of FILTERS. `precision` of PRECISIONS: of moments, which only
+    their filters have."""
 
     filter: str = "vogel8"
     cascades: int = 3
     size: int = 1024
+    precision: str = "single"
+
+    def used(self) -> ShadowQuality:
+        """The same without what this filter does not have."""
+        return self if self.moments else replace(self, precision="single")
+
+    @property
+    def moments(self) -> bool:
+        return self.filter in MOMENTS
+
+    @property
+    def format(self) -> str:
+        """Of the moments."""
+        return format_of(self.filter, self.precision)
 
 
 #: what a view has unless it says otherwise

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from engine.render.shadows.casters import finite_bounds, last_moved
 from engine.render.shadows.fit import Boxes, Cascade, boxes_of, casts_into, fit_cascades, with_depths
 from engine.render.shadows.light_space import light_from_world
+from engine.render.shadows.moments import usable_exponent
 from engine.render.view import View
 from engine.render.view_block import MAX_CASCADES
 from engine.scene.scene import Scene
@@ -124,7 +125,8 @@ class SunShadows:
             len(cascades), settings.shadow_softness, np.tan(np.radians(settings.sun_angle / 2)),
             1.0 / settings.shadow_size,
         )  # fmt: skip
-        row["shadow_fade"] = (far * FADE, 1.0 / (far * (1.0 - FADE)), 0.0, 0.0)
+        exponent = usable_exponent(float(settings.shadow_exponent), str(settings.shadow_precision))
+        row["shadow_fade"] = (far * FADE, 1.0 / (far * (1.0 - FADE)), exponent, settings.shadow_leak)
 
 
 def _everywhere(at: F8) -> Cascade:

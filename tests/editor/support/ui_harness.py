@@ -49,7 +49,7 @@ def settle(ctx: Any, app: App) -> None:
 def fresh(ctx: Any, app: App) -> Any:
     """The document as just opened: nothing selected, nothing to undo."""
     session = app.ui.session
-    session.close()
+    session.close_all()
     session.open(Path("/nowhere/thing.glb"))
     settle(ctx, app)
     return session.document

@@ -199,21 +199,41 @@ def unsaved_changes_are_asked_about(ctx: Any, app: App) -> None:
     document = fresh(ctx, app)
     session = app.ui.session
     session.set_visible((1,), False)
-    session.open(Path("/nowhere/other.glb"))
+    app.ui.operations.run("file.close", session)
     ctx.yield_(2)
-    assert session.job is None
     ctx.item_click("//Unsaved changes/Cancel")
     ctx.yield_(2)
     assert session.document is document
-    session.open(Path("/nowhere/other.glb"))
+    app.ui.operations.run("file.close", session)
     ctx.yield_(2)
     ctx.item_click("//Unsaved changes/Discard")
-    while session.job is not None:
-        ctx.yield_()
     ctx.yield_(2)
-    assert session.document is not document
-    assert session.document.source.name == "other.glb"
+    assert session.document is None
     assert document.runtime.closed
+
+
+def documents_have_tabs(ctx: Any, app: App) -> None:
+    first = fresh(ctx, app)
+    session = app.ui.session
+    session.set_visible((1,), False)
+    app.dropped([Path("/nowhere/other.glb"), Path("/nowhere/third.glb")])
+    for _ in range(400):
+        if len(session.tabs) == 3 and session.job is None:
+            break
+        ctx.yield_()
+    ctx.yield_(3)
+    third = session.document
+    assert third.source.name == "third.glb"
+    ctx.item_click(f"//###Viewport/##documents/###document{id(first)}")
+    ctx.yield_(3)
+    assert session.document is first
+    assert session.document.history.undo_label
+    ctx.key_press(imgui.Key.mod_ctrl.value | imgui.Key.mod_shift.value | imgui.Key.tab.value)
+    ctx.yield_(3)
+    assert session.document is third
+    ctx.key_press(imgui.Key.mod_ctrl.value | imgui.Key.tab.value)
+    ctx.yield_(3)
+    assert session.document is first
 
 
 def menu_undo_names_the_edit(ctx: Any, app: App) -> None:
@@ -303,6 +323,7 @@ TESTS = {
         a_bad_file_keeps_the_document,
         a_slow_file_can_be_cancelled,
         unsaved_changes_are_asked_about,
+        documents_have_tabs,
         menu_undo_names_the_edit,
         a_node_can_be_renamed,
         undo_in_a_text_field_is_the_field_s,

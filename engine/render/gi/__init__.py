@@ -1,0 +1,19 @@
+"""Light from surface to surface in screen space, on a deep G-buffer: what the camera sees and what lies behind it.
+
+May import what engine.render may. The passes are in engine/render/passes, named beside what they do:
+
+    depth first ─► deep_gbuffer   layer 0: what is seen; layer 1: the nearest surface that lies behind it by `separation`
+                ─► radiosity      what both layers send out: lamps and suns (with shadows), emission; smaller sizes of it
+                ─► indirect       gathered at each pixel, filtered; bounces: back into radiosity
+                ─► reflections    marched through both layers along the mirrored view
+                ─► opaque surfaces read both (shaders/lib/indirect.glsl)
+
+choice.py      which of it a view has, and how far it looks
+block.py       the uniform block of these passes
+layers.py      pipelines that draw the layers
+state.py       what is kept between frames: the camera before, the scene's size
+
+After Mara, McGuire, Nowrouzezahrai, Luebke 2016, "Deep G-Buffers for Stable Global Illumination Approximation" (two
+layers with a minimum separation; radiosity; confidence); the gather in slices follows Therrien, Levesque, Gilet 2023,
+"Screen Space Indirect Lighting with Visibility Bitmask", with arcs weighted as in Jimenez et al. 2016.
+"""

@@ -1,0 +1,87 @@
+"""Which light between surfaces a view has: bounces, how it is gathered, reflections, and how far it looks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from engine.render.settings import RenderSettings
+
+CHOICES = ("off", "one", "many")
+METHODS = ("slices", "spiral")
+UNSEEN = ("environment", "seen")
+#: views of it alone, and those that it is part of
+VIEWS = ("indirect", "indirect_confidence", "layer_color", "layer_depth", "reflections")
+SHOWN_IN = frozenset({"lit", "lighting", "light_tiles", *VIEWS})
+
+#: parts of a scene's size that are taken where no length is set: a scene in other units looks the same
+RADIUS_PART, SEPARATION_PART, DISTANCE_PART = 0.5, 0.02, 1.0
+#: smaller sizes of the layers that far places are read from
+LEVELS = 5
+
+
+@dataclass(frozen=True, slots=True)
+class Indirect:
+    """`bounces`: of one picture; `live`: a further one each frame, from what the frame before had. `directions`: slices
+    through a pixel; `steps`: places on each side of one (spiral: in all); `stride`: 2 where layers have half the size.
+    `gather`, `reflections`: which of both is wanted. `why_not`: why nothing is."""
+
+    method: str = "slices"
+    bounces: int = 1
+    live: bool = False
+    smooth: bool = False
+    directions: int = 2
+    steps: int = 8
+    stride: int = 1
+    layers: int = 2
+    unseen: str = "environment"
+    gather: bool = False
+    reflections: bool = False
+    reflection_steps: int = 32
+    why_not: str = "light between surfaces is off"
+
+    @property
+    def wanted(self) -> bool:
+        return self.gather or self.reflections
+
+
+def indirect_of(settings: RenderSettings, *, solid: bool, live: bool = False) -> Indirect:
+    """What the view asks for; `solid`: something stands there; `live`: frames follow one another."""
+    view = settings.shading_view
+    why = (
+        "light between surfaces is off" if settings.gi == "off" and not settings.reflections
+        else "its strength is 0" if settings.gi_strength <= 0.0
+        else f"the view {view} shows no light between surfaces" if view not in SHOWN_IN
+        else "nothing solid" if not solid
+        else ""
+    )  # fmt: skip
+    if why:
+        return Indirect(why_not=why)
+    many = settings.gi == "many"
+    return Indirect(
+        method=str(settings.gi_method), bounces=int(settings.gi_bounces) if many and not live else 1,
+        live=live and many, smooth=live and bool(settings.gi_smooth) and settings.gi != "off",
+        directions=int(settings.gi_directions), steps=int(settings.gi_steps), stride=2 if settings.gi_half else 1,
+        layers=int(settings.gi_layers), unseen=str(settings.gi_unseen), gather=settings.gi != "off",
+        reflections=bool(settings.reflections), reflection_steps=int(settings.reflection_steps), why_not="",
+    )  # fmt: skip
+
+
+def size_of(low: NDArray[np.float64], high: NDArray[np.float64]) -> float:
+    """Of a scene between `low` and `high` (f8[3]), metres; 1 where it has none."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        size = float(np.linalg.norm(high - low))
+    return size if np.isfinite(size) and size > 0.0 else 1.0
+
+
+def lengths_of(settings: RenderSettings, size: float) -> dict[str, float]:
+    """Metres: as set, or by the scene's size."""
+    return {
+        "radius": float(settings.gi_radius) or RADIUS_PART * size,
+        "separation": float(settings.gi_separation) or SEPARATION_PART * size,
+        "distance": float(settings.reflection_distance) or DISTANCE_PART * size,
+    }

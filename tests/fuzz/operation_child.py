@@ -1,0 +1,133 @@
+"""A process that does random operations until it is killed: `python -m tests.fuzz.operation_child JSON`.
+
+It first restores what the one before it left, and compares: the content, and every state that undo and redo reach."""
+
+from __future__ import annotations
+
+import json
+import os
+import random
+import signal
+import sys
+import traceback
+from pathlib import Path
+from typing import IO, Any
+
+from tests.fuzz import operation_stage as stage
+from tests.fuzz.operation_walk import Broken, Model, Walk
+
+from editor import journal, recovering
+from editor.session import Session
+
+
+def main() -> None:
+    order: dict[str, Any] = json.loads(sys.argv[1])
+    folder = Path(order["folder"])
+    os.environ["LUCARNA_CACHE"] = str(folder / "cache")
+    answer: dict[str, Any] = {"done": 0, "problem": "", "what": ""}
+    with (folder / "trace.jsonl").open("a", encoding="utf-8") as trace:
+        try:
+            _walk(order, folder, trace, answer)
+        except Exception:
+            answer["problem"] = traceback.format_exc()
+    _report(folder, answer)
+    os._exit(1 if answer["problem"] else 0)
+
+
+def _walk(order: dict[str, Any], folder: Path, trace: IO[str], answer: dict[str, Any]) -> None:
+    scene = stage.write_stage(folder / "stage", animated=order["animated"])
+    session = stage.open_session(folder)
+    walk = Walk(session, trace, exact=not order["animated"])
+    restored = _restore(session, walk, folder)
+    if not restored:
+        document = stage.open_scene(session, scene)
+        walk.watch(document)
+    answer["restored"] = restored
+    dice = random.Random(order["seed"])
+    kill_at, kill_how = order["kill_at"], order["kill_how"]
+    events = 0
+
+    def after_event(what: str) -> None:
+        nonlocal events
+        events += 1
+        if kill_how == "event" and events == kill_at:
+            _die(folder, answer, walk, session, torn=False)
+
+    walk.after_event = after_event
+    for number in range(order["count"]):
+        answer["done"] = number
+        answer["what"] = walk.step(dice, folder / "stage")
+        if session.document is None:
+            walk.watch(stage.open_scene(session, scene))
+        elif session.document is not walk.document:
+            walk.watch(session.document)
+        if number % 40 == 39 and session.journal is not None:
+            session.journal.snapshot()
+        if kill_how in ("step", "torn") and number == kill_at:
+            _die(folder, answer, walk, session, torn=kill_how == "torn")
+    answer["done"] = order["count"]
+    answer["counts"] = walk.counts
+
+
+def _restore(session: Session, walk: Walk, folder: Path) -> bool:
+    """Recover what a killed process left; True where it had something. Raises Broken."""
+    trace = folder / "trace.jsonl"
+    model = Model()
+    for line in trace.read_text(encoding="utf-8").splitlines():
+        model.follow(json.loads(line))
+    pending = journal.pending(folder / "recovery")
+    last = folder / "last.json"
+    told = json.loads(last.read_text(encoding="utf-8")) if last.is_file() else {}
+    if told.get("dirty") and not pending:
+        raise Broken("unsaved edits were there when the process was killed, and nothing is there to restore")
+    if not pending:
+        return False
+    if len(pending) > 1:
+        raise Broken(f"{len(pending)} journals are left of one process")
+    if not recovering.recover(session, pending[0]):
+        raise Broken(f"not restored: {session.failure}")
+    document = session.document
+    assert document is not None
+    entries = [len(document.history.entries), len(document.history.undone)]
+    if entries != told["entries"]:
+        raise Broken(f"{told['entries']} entries done and undone were there, {entries} are restored")
+    if stage.scene_bytes(document).hex() != told["bytes"]:
+        raise Broken("the restored scene would be saved as other bytes")
+    if document.dirty != told["dirty"]:
+        raise Broken(f"unsaved was {told['dirty']}, and is {document.dirty}")
+    walk.watch(document, model=model)
+    at = model.at
+    document.history.go_to(0)  # the walk compares each state on the way
+    document.history.go_to(len(model.states) - 1)
+    document.history.go_to(at)
+    return True
+
+
+def _die(folder: Path, answer: dict[str, Any], walk: Walk, session: Session, *, torn: bool) -> None:
+    """Be killed now. `torn`: half a line of the journal had reached the disk."""
+    document = session.document
+    answer["counts"] = walk.counts
+    _report(folder, answer)
+    told: dict[str, Any] = {"dirty": False}
+    if document is not None:
+        history = document.history
+        told = {
+            "dirty": document.dirty, "entries": [len(history.entries), len(history.undone)],
+            "bytes": stage.scene_bytes(document).hex(),
+        }  # fmt: skip
+    (folder / "last.json").write_text(json.dumps(told), encoding="utf-8")
+    if torn and session.journal is not None:
+        with session.journal.path.open("ab") as file:
+            file.write(b'{"e":"do","c":{"table":"nodes","colu')
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+def _report(folder: Path, answer: dict[str, Any]) -> None:
+    with (folder / "answers.jsonl").open("a", encoding="utf-8") as file:
+        file.write(json.dumps(answer) + "\n")
+        file.flush()
+        os.fsync(file.fileno())
+
+
+if __name__ == "__main__":
+    main()
