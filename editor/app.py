@@ -9,7 +9,7 @@ from typing import Any
 
 from imgui_bundle import hello_imgui, imgui
 
-from editor import dropping, file_drop, keys, layout, menus, recovering, theme
+from editor import dropping, file_drop, keys, layout, menus, recovering, theme, turntable
 from editor.dialogs import Dialogs
 from editor.dialogs.modals import draw_error_bar
 from editor.operations import Operations
@@ -168,10 +168,14 @@ class App:
         session.poll()
         session.interacting = not self.frames and self._interacting(io)
         session.tick(min(float(io.delta_time), 0.25))
+        turntable.step(session, float(io.delta_time))
         keys.run_shortcuts(self.ui, flying=self.panel(ViewportPanel).flying)
         self._requests()
         working = session.job is not None or session.work is not None or session.image.compiling is not None
-        if session.playback.playing or working or session.image.settling:
+        waits = session.image.settling or session.comparing.waiting or session.comparing.held
+        waits = waits or session.tools.turning or session.look_card.waiting
+        waits = waits or session.image.rehearsing is not None
+        if session.playback.playing or working or waits:
             self._refresh()
 
     def _interacting(self, io: Any) -> bool:
@@ -180,10 +184,12 @@ class App:
         if io.mouse_wheel or io.mouse_wheel_h:
             self._wheeled = now
         held = any(imgui.is_mouse_down(button) for button in range(3))
+        if held or io.mouse_delta.x or io.mouse_delta.y or io.mouse_wheel or io.input_queue_characters.size():
+            self.ui.session.image.disturb()
         if held or now - self._wheeled < WHEEL_REST:
             self._refresh()
             return True
-        return self.ui.session.playback.playing
+        return self.ui.session.playback.playing or self.ui.session.tools.turning
 
     def _refresh(self) -> None:
         """Draw the next frame at once instead of sleeping."""

@@ -8,13 +8,17 @@ from pathlib import Path
 
 from editor import camera_controls, numbers, report, work
 from editor.animating.operations import add_animation_operations
+from editor.comparing.operations import add_compare_operations
 from editor.direct_operations import add_direct_operations
 from editor.document_operations import add_document_operations
 from editor.editing_operations import add_editing_operations
+from editor.looks import add_look_operations
 from editor.material_operations import add_material_operations
 from editor.navigation import PRESETS
 from editor.operations import Operation, Operations, always
 from editor.session import Session
+from editor.surroundings import add_surroundings_operations
+from editor.turntable import add_turntable_operations
 from engine.render.settings import DEBUG_VIEWS, VIEW_LEGENDS
 
 #: the debug views in the order of their keys: 1 to 9, then the same with Shift
@@ -340,10 +344,12 @@ def builtin_operations() -> Operations:
         checked=_is_orthographic)  # fmt: skip
     for name, label in (
         ("show_axes", "Axes"), ("show_stats", "Statistics"), ("show_outline", "Selection outline"),
-        ("show_lights", "Reach of all lights"),
+        ("prepare_views", "Prepare other views while idle"),
+        ("show_lights", "Reach of all lights"), ("show_look_card", "Look card"),
     ):  # fmt: skip
         run, checked = _toggle_preference(name)
-        add(f"view.{name.replace('_', '-')}", label, run, menu="View", checked=checked, separator=name == "show_axes")
+        id = "view.look-card" if name == "show_look_card" else f"view.{name.replace('_', '-')}"
+        add(id, label, run, menu="View", checked=checked, separator=name == "show_axes")
     add("view.scale-up", "Larger interface", _scale(0.1), "Ctrl+=", menu="View", separator=True)
     add("view.scale-down", "Smaller interface", _scale(-0.1), "Ctrl+-", menu="View")
     add("view.scale-reset", "Normal interface size", _scale(0.0), "Ctrl+0", menu="View")
@@ -413,6 +419,10 @@ def builtin_operations() -> Operations:
     add_material_operations(ops)
     add_editing_operations(ops)
     add_document_operations(ops)
+    add_compare_operations(ops)
+    add_look_operations(ops)
+    add_surroundings_operations(ops)
+    add_turntable_operations(ops)
     add_animation_operations(ops)
     add_direct_operations(ops)
     return ops

@@ -1,8 +1,6 @@
 """The Python console's interpreter: the session's operations and tables by name. No imgui.
 
-Names there: `session`, `document()`, `scene()`, `selection()`, `node(name)`, `run(operation)`, `operations()`,
-`edit(table, column, rows, values)`, `animation` (its methods edit tracks, masks, states…), `np`. What they do can be
-undone like any other edit.
+The names there are those of scripts (see script_names); what they do can be undone like any other edit.
 """
 
 from __future__ import annotations
@@ -10,15 +8,12 @@ from __future__ import annotations
 import code
 import contextlib
 import io
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from editor.operations import Operations
+from editor.script_names import script_names
 from editor.session import Session
-from engine.core.errors import InputError
 
 LIMIT = 2000
 
@@ -85,41 +80,4 @@ class Console:
         del self.lines[:-LIMIT]
 
     def _names(self) -> dict[str, Any]:
-        session = self.session
-
-        def document() -> Any:
-            if session.document is None:
-                raise InputError("no document is open")
-            return session.document
-
-        def scene() -> Any:
-            return document().runtime.scene
-
-        def selection() -> tuple[int, ...]:
-            return tuple(document().selection)
-
-        def node(name: str) -> int:
-            found = scene().find(name)
-            if found is None:
-                raise InputError(f"there is no node {name!r}")
-            return int(found.row)
-
-        def run(operation: str) -> bool:
-            return self.operations.run(operation, session)
-
-        def operations() -> list[str]:
-            return [o.id for o in self.operations]
-
-        def edit(table: str, column: str, rows: Sequence[int], values: Sequence[Any]) -> None:
-            document().edit(table, column, rows, values)
-
-        from editor.animating.editing import AnimationEditor
-
-        made = (document, scene, selection, node, run, operations, edit)
-        return {
-            "__name__": "console",
-            "session": session,
-            "np": np,
-            "animation": AnimationEditor(session),
-            **{f.__name__: f for f in made},
-        }
+        return {"__name__": "console", **script_names(self.session, self.operations)}

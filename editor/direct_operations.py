@@ -15,7 +15,7 @@ from editor.camera_controls import from_matrix
 from editor.editing_operations import reparent
 from editor.operations import Operation, Operations
 from editor.session import Session
-from editor.tables import FEATURES, QUEUE, TEXTURE
+from editor.tables import FEATURES, QUEUE, TEXTURE, material_values
 from engine.core.errors import LucarnaError, UsageError
 from engine.math import quat, transform
 
@@ -207,11 +207,29 @@ def _sample_set(session: Session, dice: random.Random) -> dict[str, Any]:
             record = document.runtime.residency.material(rows[0])
             slots = [f"{TEXTURE}{slot.name}" for slot in record.effect.textures]
             columns = [*(p.name for p in record.effect.params), FEATURES, QUEUE, *slots]
+    elif table == "objects":
+        rows = sorted({int(n) for n in scene.instances.node[scene.instances.alive]})
+        return _sample_object(session, dice, rows)
+    elif table not in ("nodes", "animation", "materials"):
+        rows = []
     if not rows or not columns:
         return {"table": "nodes", "column": "visible", "value": False, "rows": []}
     column, row = dice.choice(list(columns)), dice.choice(rows)
     now = document.tables[table].read(column, (row,))[0]
     return {"table": table, "column": column, "value": _nudged(now, dice), "rows": [row]}
+
+
+def _sample_object(session: Session, dice: random.Random, rows: Sequence[int]) -> dict[str, Any]:
+    """A parameter of the first material of one object, or that it says nothing of it."""
+    assert session.document is not None
+    if not rows:
+        return {"table": "nodes", "column": "visible", "value": False, "rows": []}
+    row, scene = dice.choice(list(rows)), session.document.runtime.scene
+    part = next(i for i, node in enumerate(scene.instances.node) if int(node) == row)
+    values = material_values(session.document.runtime.residency, int(scene.instances.material[part]))
+    name = dice.choice(sorted(values))
+    value = None if dice.random() < 0.3 else _nudged(values[name], dice)
+    return {"table": "objects", "column": f"0:{name}", "value": value, "rows": [row]}
 
 
 def _nudged(value: Any, dice: random.Random, choices: Sequence[str] = ()) -> Any:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Callable, Hashable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 from editor.commands.command import Command, Edit
 from editor.commands.history import History
 from editor.commands.lights import follow_drifts
+from editor.commands.replacement import FileStep, Replacement
 from editor.commands.structure import StructureCommand
 from editor.host import Resolved, Runtime, box_corners
 from editor.tables import make_command, tables_of
@@ -49,6 +51,8 @@ class Document:
         self.doing = ""
         #: where this document was saved in this session, or None
         self.saved_to: Path | None = None
+        #: called after the scene under this document became another one (see commands.replacement)
+        self.on_replaced: Callable[[], None] | None = None
         self._bounds: dict[tuple[int, ...], tuple[NDArray[np.float64], NDArray[np.float64]]] = {}
         # mesh -> engine.app.posed_box.joint_boxes
         self._joint_boxes: dict[int, NDArray[np.float64]] = {}
@@ -75,7 +79,12 @@ class Document:
         label: str = "",
     ) -> None:
         """Set `column` of `rows` to `values` as one undoable command (see History for `gesture`)."""
-        self.history.do(make_command(self.tables, table, column, rows, values, label), gesture)
+        command = make_command(self.tables, table, column, rows, values, label)
+        if not command.of_view:
+            pairs = ((part, row) for part in column.split(",") for row in command.rows)
+            unsaid = tuple((part, row) for part, row in pairs if (table, part, row) not in self.overrides)
+            command = replace(command, unsaid=(unsaid, ()))
+        self.history.do(command, gesture)
 
     def select(self, row: int, *, toggle: bool = False) -> None:
         """Select `row` alone (-1: nothing), or with `toggle` add or take it away."""
@@ -137,7 +146,17 @@ class Document:
         return corners.min(axis=0), corners.max(axis=0)
 
     def close(self) -> None:
-        self.runtime.close()
+        """Close the runtime, and those that undo or redo would bring back."""
+        edits = (*self.history.entries, *self.history.undone)
+        parked = [r for edit in edits if isinstance(edit, Replacement) for r in edit.runtimes]
+        for runtime in {id(r): r for r in (self.runtime, *parked)}.values():
+            runtime.close()
+
+    def forget_bounds(self) -> None:
+        """The scene is another one: nothing that was known of it holds."""
+        self._bounds.clear()
+        self._joint_boxes.clear()
+        self._bounds_key = self._children_cache = None
 
     def _instance_box(self, instance: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         instances = self.runtime.scene.instances
@@ -179,7 +198,19 @@ class Document:
         """Live child rows of `row` (-1: the roots), in table order."""
         return self._children().get(row, [])
 
+    def _kept(self, table: str, column: str, row: int, value: Any) -> Any:
+        """`value`, or what the table made of one that lights and cameras cannot have: what shows is what is saved."""
+        if table not in ("lights", "cameras"):
+            return value
+        now = self.tables[table].read(column, (row,))[0]
+        if isinstance(value, str | bool) or isinstance(now, str | bool):
+            return now
+        return value if np.array_equal(np.float32(value), np.float32(now)) else now  # tables of lights are float32
+
     def _write(self, edit: Edit) -> None:
+        if isinstance(edit, (Replacement, FileStep)):
+            edit.apply(self)
+            return
         if isinstance(edit, StructureCommand):
             edit.apply(self)
             follow_drifts(self)
@@ -193,6 +224,7 @@ class Document:
             for column, part in zip(columns, value if len(columns) > 1 else (value,), strict=True):
                 key = (edit.table, column, row)
                 self.overrides.pop(key, None)  # the latest comes last: "local" and its parts overlap
-                self.overrides[key] = part
+                if (column, row) not in edit.unsaid[1]:
+                    self.overrides[key] = self._kept(edit.table, column, row, part)
         if edit.table == "nodes":
             self.runtime.scene.update()

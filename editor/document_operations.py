@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 
-from editor import tabs
+from editor import file_moves, tabs
+from editor.arguments import Argument
 from editor.operations import Operation, Operations
 from editor.session import Session
 
@@ -23,10 +25,33 @@ def add_document_operations(ops: Operations) -> None:
     add("document.previous", "Previous document", lambda s: tabs.step(s, -1), "Ctrl+Shift+Tab", "Ctrl+PageUp",
         about="The tab to the left, round and round")  # fmt: skip
     add("document.close-others", "Close other documents", close_others, about="Asks first where changes are unsaved")
+    ops.add(
+        Operation(
+            "file.move", "Move a file of the project", _move,
+            arguments=(Argument("old", "path", doc="a file or folder"), Argument("new", "path", doc="its new place")),
+            doc="What refers to it follows, as `lucarna mv` does it; undone like an edit",
+        )
+    )  # fmt: skip
+    ops.add(
+        Operation(
+            "file.rename-asset",
+            "Rename or move the chosen asset…",
+            _rename_asset,
+            enabled=lambda s: s.asset is not None,
+        )
+    )
     for place in range(PLACES):
         ops.add(
             Operation(f"document.show-{place + 1}", f"Go to document {place + 1}", _shower(place), enabled=_has(place))
         )
+
+
+def _move(session: Session, old: Path, new: Path) -> None:
+    file_moves.move(session, old, new)
+
+
+def _rename_asset(session: Session) -> None:
+    session.ui.rename_asset = session.asset
 
 
 def close_others(session: Session) -> None:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from editor import scripting
 from editor.commands import structure
 from editor.document import Document
 from editor.operations import Operation, Operations, always
@@ -77,6 +78,8 @@ def add_editing_operations(ops: Operations) -> None:
         add(f"view.panel-{title.lower().replace(' ', '-')}", f"Show {title.lower()}", _show(title), enabled=always)
     add("file.copy-command", "Copy as command", _copy_command, "Ctrl+Shift+C", menu="File", separator=True,
         about="The command line that renders what the viewport shows")  # fmt: skip
+    add("file.copy-script", "Copy history as script", _copy_script, menu="File",
+        about="The edits so far, for `lucarna run`")  # fmt: skip
 
 
 def structural(change: Callable[[Document, Sequence[int]], None]) -> Run:
@@ -91,7 +94,13 @@ def structural(change: Callable[[Document, Sequence[int]], None]) -> Run:
 
 def reparent(session: Session, rows: Sequence[int], parent: int) -> None:
     """Hang nodes below another (-1: the top), where they are."""
-    _try(session, lambda document: structure.reparent(document, rows, parent))
+    document = session.document
+    if document is None:
+        return
+    below = scripting.nodes(document, [parent])[0] if parent >= 0 else "-1"
+    line = f"select({', '.join(scripting.nodes(document, rows))}); run('edit.reparent', parent={below})"
+    with scripting.doing(session, line):
+        _try(session, lambda document: structure.reparent(document, rows, parent))
 
 
 def unparent(session: Session) -> None:
@@ -235,6 +244,12 @@ def _copy_command(session: Session) -> None:
 
     session.ui.copy_text = render_command(session)
     session.ui.notice = "Copied the command"
+
+
+def _copy_script(session: Session) -> None:
+    if session.document is not None:
+        session.ui.copy_text = scripting.history_script(session.document)
+        session.ui.notice = "Copied the history as a script"
 
 
 def _show(title: str) -> Run:

@@ -55,7 +55,9 @@ class Host(Protocol):
 
     def open_device(self, attach: bool) -> Any: ...
     def resolve(self, path: Path, progress: Progress) -> Resolved: ...
-    def open_runtime(self, device: Any, scene: Path, root: Path | None = None) -> Runtime: ...
+    def open_runtime(
+        self, device: Any, scene: Path, root: Path | None = None, base: Path | None = None
+    ) -> Runtime: ...
     def new_settings(self) -> ParamBlock: ...
     def view(self, camera: OrbitCamera, width: int, height: int, settings: ParamBlock) -> Any: ...
     def source_extensions(self) -> Sequence[str]: ...
@@ -74,7 +76,10 @@ class EngineHost:
 
         return resolve_path(path, progress, self.source_extensions())
 
-    def open_runtime(self, device: Any, scene: Path, root: Path | None = None) -> Runtime:
+    def open_runtime(
+        self, device: Any, scene: Path, root: Path | None = None, base: Path | None = None
+    ) -> Runtime:
+        """`base`: the scene file's content as it once was, for a recovery."""
         from engine.app.runtime import MANY_PICTURES
         from engine.app.runtime import Runtime as EngineRuntime
         from importers.opening import baker_for
@@ -82,7 +87,7 @@ class EngineHost:
         runtime = EngineRuntime(device, pixels=MANY_PICTURES)
         runtime.sleepy = True
         try:
-            runtime.open(scene, baker=baker_for(scene.parent), root=root)
+            runtime.open(scene, baker=baker_for(scene.parent), root=root, base=base)
         except BaseException:
             runtime.close()
             raise

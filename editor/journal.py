@@ -2,6 +2,7 @@
 
     <settings folder>/recovery/<id>.journal         header line, then one JSON line per do, undo, redo, end, saved
                               <id>.base.json        the scene file as it was when it was opened
+                              <id>.N.base.json      as it was when it was replaced for the Nth time, by a new import
                               <id>.snapshot.scene.json   the edited scene, now and then: readable by itself
 
 A line is handed to the system before the edit's frame ends, so killing the process loses nothing; every snapshot also
@@ -23,6 +24,7 @@ from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
 
 from editor.commands.command import Command, Edit
+from editor.commands.replacement import FileStep, Replacement
 from editor.commands.structure import StructureCommand
 from engine.core.errors import InputError, LucarnaError
 from engine.core.findings import Findings
@@ -56,22 +58,24 @@ class Journal:
         _lock(self._file)
         self.problem = ""
         self._changed = False
+        #: how many entries at the end of the history, and of what was undone, a replay would have, too
+        self._known = [0, 0]
+        self._count = len(document.history.entries)
         self._snapshot_after = time.monotonic() + SNAPSHOT_SECONDS
-        self._line(
-            {
-                "lucarna-journal": VERSION,
-                "source": str(document.source),
-                "scene": str(document.scene_path),
-                "root": str(document.project_root or ""),
-                "name": document.name,
-                "started": time.time(),
-            }
-        )
+        self._rebased = 0
+        self._line({"lucarna-journal": VERSION, **self._place(), "started": time.time()})
         document.history.listener = self.record
 
     def record(self, what: str, edit: Edit | None, gesture: Hashable | None) -> None:
         """One event of the history. A disk that is full stops the journal, not the user: see `problem`."""
-        line: dict[str, Any] = {"e": what}
+        history = self.document.history
+        concerned = {"undo": history.undone[:1], "redo": history.entries[-1:]}.get(what, (edit,))
+        if isinstance(concerned[0] if concerned else None, (Replacement, FileStep)):
+            self._count = len(history.entries)
+            return  # `rebase` has written down what stands now; files are no part of it
+        what, edit = self._as_replayed(what, edit)
+        history = self.document.history
+        line: dict[str, Any] = {"e": what, "n": len(history.entries), "dirty": history.dirty}
         if edit is not None:
             line["c"] = edit_to_plain(edit)
             if gesture is not None:
@@ -83,6 +87,45 @@ class Journal:
         except (OSError, ValueError) as error:
             self.problem = self.problem or str(error)
         self._changed = True
+
+    def rebase(self) -> None:
+        """The scene under the document became another one: what stands now is what a replay begins with."""
+        from editor.saving import edited_scene
+        from engine.assets.scene_json import write_scene
+
+        self._rebased += 1
+        try:
+            asset = edited_scene(self.document.runtime, self.document.overrides)
+            write_scene(base_of(self.path, self._rebased), asset)
+            self._line({"e": "rebased", "base": self._rebased, **self._place()})
+            for (table, column, row), value in self.document.overrides.items():
+                if table == "materials":
+                    edit = Command(table, column, (row,), (None,), (value,), "Recovered")
+                    self._line({"e": "do", "c": edit_to_plain(edit)})
+        except (OSError, ValueError, LucarnaError) as error:
+            self.problem = self.problem or str(error)
+        self._known = [0, 0]
+
+    def _as_replayed(self, what: str, edit: Edit | None) -> tuple[str, Edit | None]:
+        """The event as a replay can do it: one that reaches behind the last `rebase` becomes an edit of its own."""
+        history, known = self.document.history, self._known
+        count, self._count = self._count, len(history.entries)
+        if what == "do":
+            if self._count > count:
+                known[0] += 1
+            known[1] = 0
+        elif what == "undo":
+            undone = history.undone[0]
+            if known[0] == 0 and self._rebased:
+                known[1] = 0
+                return "do", undone.inverse()
+            known[0], known[1] = max(known[0] - 1, 0), known[1] + 1
+        elif what == "redo":
+            if known[1] == 0 and self._rebased:
+                known[0] += 1
+                return "do", history.entries[-1]
+            known[0], known[1] = known[0] + 1, max(known[1] - 1, 0)
+        return what, edit
 
     def tick(self) -> None:
         """Now and then, while nothing is dragged: a snapshot, if anything changed."""
@@ -118,6 +161,15 @@ class Journal:
             self.document.history.listener = None
         self._file.close()
 
+    def _place(self) -> dict[str, str]:
+        document = self.document
+        return {
+            "source": str(document.source),
+            "scene": str(document.scene_path),
+            "root": str(document.project_root or ""),
+            "name": document.name,
+        }
+
     def _line(self, data: Mapping[str, Any]) -> None:
         self._file.write(json.dumps(data, separators=(",", ":")) + "\n")
         self._file.flush()
@@ -135,10 +187,12 @@ class Recovery:
     modified: float
     edits: int
     dirty: bool
+    #: how often the scene under the document was replaced
+    rebased: int = 0
 
     @property
     def base(self) -> Path | None:
-        path = base_of(self.path)
+        path = base_of(self.path, self.rebased)
         return path if path.is_file() else None
 
     def resolved(self) -> Resolved:
@@ -177,7 +231,7 @@ def replay(document: Document, path: Path) -> int:
     An event that no longer fits (its files changed) ends the replay: raises InputError, and what came before stays."""
     history = document.history
     done = 0
-    for number, line in _lines(path):
+    for number, line in _since_rebased(path):
         what = line.get("e")
         try:
             if what == "do":
@@ -201,12 +255,12 @@ def replay(document: Document, path: Path) -> int:
 
 def discard(path: Path) -> None:
     """Remove a journal and what lies beside it."""
-    for file in (path, base_of(path), snapshot_of(path)):
+    for file in (path, *path.parent.glob(f"{path.stem}*.base.json"), snapshot_of(path)):
         file.unlink(missing_ok=True)
 
 
-def base_of(path: Path) -> Path:
-    return path.with_name(f"{path.stem}.base.json")
+def base_of(path: Path, rebased: int = 0) -> Path:
+    return path.with_name(f"{path.stem}{f'.{rebased}' if rebased else ''}.base.json")
 
 
 def snapshot_of(path: Path) -> Path:
@@ -227,7 +281,7 @@ def edit_to_plain(edit: Edit) -> dict[str, Any]:
     assert isinstance(edit, Command)
     return {
         "table": edit.table, "column": edit.column, "rows": edit.rows, "before": edit.before, "after": edit.after,
-        "label": edit.label,
+        "label": edit.label, "unsaid": edit.unsaid,
     }  # fmt: skip
 
 
@@ -238,10 +292,12 @@ def edit_from_plain(data: Mapping[str, Any], document: Document) -> Edit:
         before, after = (side_from_plain(data[side], scene) for side in ("before", "after"))
         old, new = ({(t, c, int(r)): _tuples(v) for t, c, r, v in side} for side in data["overrides"])
         first, second = (tuple(int(r) for r in rows) for rows in data["selection"])
-        return StructureCommand(ScenePatch(before, after), (first, second), (old, new), str(data["label"]), str(data.get("line", "")))
+        label, made_by = str(data["label"]), str(data.get("line", ""))
+        return StructureCommand(ScenePatch(before, after), (first, second), (old, new), label, made_by)
     rows = tuple(int(r) for r in data["rows"])
     return Command(
-        str(data["table"]), str(data["column"]), rows, _tuples(data["before"]), _tuples(data["after"]), data["label"]
+        str(data["table"]), str(data["column"]), rows, _tuples(data["before"]), _tuples(data["after"]), data["label"],
+        _tuples(data.get("unsaid", [[], []])),
     )
 
 
@@ -261,40 +317,32 @@ def _lines(path: Path) -> Iterator[tuple[int, dict[str, Any]]]:
                 yield number, data
 
 
+def _since_rebased(path: Path) -> list[tuple[int, dict[str, Any]]]:
+    """The lines after the last "rebased", which say all that happened since what is in that base."""
+    lines = list(_lines(path))
+    start = max((i for i, (_, line) in enumerate(lines) if line.get("e") == "rebased"), default=-1)
+    return lines[start + 1 :]
+
+
 def _summary(path: Path) -> Recovery | None:
-    """What the prompt says of a journal, by counting; None for a file that is none."""
+    """What the prompt says of a journal, by its last whole line; None for a file that is none."""
     header: dict[str, Any] | None = None
-    done, saved, undone, gesture = 0, 0, 0, ""
+    edits, dirty = 0, False
     try:
         for _, line in _lines(path):
             if header is None:
                 if line.get("lucarna-journal") != VERSION:
                     return None
                 header = line
-                continue
-            what, edit = line.get("e"), line.get("c", {})
-            token = str((line["g"], edit.get("table"), edit.get("column"), edit.get("rows"))) if "g" in line else ""
-            if what == "do":
-                if not token or token != gesture:
-                    done, undone = done + 1, 0
-                elif saved == done:
-                    saved = -1
-                gesture = token
-                continue
-            gesture = ""
-            if what == "undo" and done:
-                done, undone = done - 1, undone + 1
-            elif what == "redo" and undone:
-                done, undone = done + 1, undone - 1
-            elif what == "saved":
-                saved = done
+            elif "e" in line:
+                edits, dirty = int(line.get("n", edits + 1)), bool(line.get("dirty", True))
         if header is None:
             return None
         return Recovery(
             path, str(header["name"]), Path(header["source"]), Path(header["scene"]),
-            Path(header["root"]) if header["root"] else None, path.stat().st_mtime, done, done != saved,
+            Path(header["root"]) if header["root"] else None, path.stat().st_mtime, edits, dirty,
         )  # fmt: skip
-    except (OSError, KeyError, TypeError):
+    except (OSError, KeyError, TypeError, ValueError):
         return None
 
 

@@ -10,6 +10,7 @@ _MODIFIERS = {"Ctrl": "ctrl", "Shift": "shift", "Alt": "alt"}
 _NAMES = {
     "Space": "space", "Escape": "escape", "Home": "home", "End": "end", "Enter": "enter", "Delete": "delete",
     ",": "comma", ".": "period", "=": "equal", "-": "minus", "PageUp": "page_up", "PageDown": "page_down", "0": "_0",
+    "\\": "backslash",
 }  # fmt: skip
 
 

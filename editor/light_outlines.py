@@ -17,6 +17,8 @@ from editor.session import Session
 F8 = NDArray[np.float64]
 
 LIMIT = 100
+#: so many are drawn as clearly as one
+FEW = 8
 _TURN = np.linspace(0.0, 2.0 * np.pi, 49)
 _CIRCLE = np.stack([np.cos(_TURN), np.sin(_TURN)], axis=1)
 
@@ -28,9 +30,11 @@ def draw(session: Session, origin: tuple[float, float], width: float, height: fl
         return
     rows, chosen = _rows(document, everything=session.preferences.show_lights)
     lines = imgui.get_window_draw_list()
+    # the more there are, the fainter: the picture stays to be seen
+    faint = 0.45 * min(1.0, (FEW / max(len(rows), 1)) ** 0.5)
     for row, selected in zip(rows, chosen, strict=True):
         ends = pixels_of(outline(document, row, session.camera), session.camera, width, height)
-        color = theme.u32(theme.ACCENT if selected else (*theme.TEXT[:3], 0.45))
+        color = theme.u32(theme.ACCENT if selected else (*theme.TEXT[:3], faint))
         shadow = theme.u32((0.0, 0.0, 0.0, 0.35))
         for (ax, ay), (bx, by) in (ends + np.asarray(origin)).tolist():
             if selected:

@@ -54,10 +54,12 @@ class Shared:
 
 
 def materials_of(document: Document, rows: Iterable[int]) -> list[int]:
-    """The materials of these nodes, each once, in the order of the drawn parts."""
+    """The materials of these nodes, each once, in the order of the drawn parts; of what is varied on an object, the
+    material itself."""
     instances = document.runtime.scene.instances
     wanted = np.isin(np.asarray(instances.node), np.array(list(rows), np.int64))
-    return list(dict.fromkeys(np.asarray(instances.material)[wanted].tolist()))
+    base_of = getattr(getattr(document.runtime.residency, "materials", None), "base_of", int)
+    return list(dict.fromkeys(base_of(m) for m in np.asarray(instances.material)[wanted].tolist()))
 
 
 def shared_params(residency: Any, materials: Sequence[int]) -> list[Shared]:

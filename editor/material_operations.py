@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from editor import material_editing
+from editor import material_editing, object_editing
 from editor.operations import Operation, Operations
 from editor.session import Session
 
@@ -34,6 +34,12 @@ def reset(session: Session) -> None:
     material_editing.reset(session, selected_materials(session))
 
 
+def only_object(session: Session) -> None:
+    session.ui.only_object = not session.ui.only_object
+    scope = "the selected objects alone" if session.ui.only_object else "the material, wherever it is"
+    session.ui.notice = f"Edits of parameters are of {scope}"
+
+
 def add_material_operations(ops: Operations) -> None:
     def add(id: str, label: str, run: object, about: str, *, needs: bool = True, separator: bool = False) -> None:
         assert callable(run)
@@ -44,6 +50,10 @@ def add_material_operations(ops: Operations) -> None:
 
     add("material.preview", "Material preview", show_preview, "A material on a shape or a mesh of your own",
         needs=False, separator=True)  # fmt: skip
+    add("material.only_object", "Edit materials on this object only", only_object,
+        "Parameters that are set from now on are those of the selected objects alone")
+    add("material.clear_object", "Let the object look as its material says", object_editing.clear,
+        "Take away what the selected objects say themselves")  # fmt: skip
     add("material.copy", "Copy the selected material", copy, "As text of a material file")
     add("material.paste", "Paste to the selected materials", paste, "A material or a parameter from the clipboard")
     add("material.reset", "Reset the selected materials", reset, "All their parameters back to the defaults")

@@ -12,7 +12,7 @@ from editor.operations import Operation
 from editor.ui import Ui
 from editor.widgets import em, text, tooltip
 
-MENUS = ("File", "Edit", "Add", "View", "Playback", "Shaders", "Help")
+MENUS = ("File", "Edit", "Add", "View", "Compare", "Playback", "Shaders", "Help")
 
 
 def draw_menu_bar(ui: Ui) -> None:

@@ -61,6 +61,8 @@ class Operations:
         self.log: deque[str] = deque(maxlen=LOG_LIMIT)
         #: grows with every line
         self.logged = 0
+        #: told each line before it is run
+        self.listener: Callable[[str], None] | None = None
 
     def add(self, operation: Operation) -> None:
         assert operation.id not in self._by_id, f"operation {operation.id} is registered twice"
@@ -98,6 +100,8 @@ class Operations:
         line = scripting.call(session, id, given)
         self.log.append(line)
         self.logged += 1
+        if self.listener is not None:
+            self.listener(line)
         with scripting.doing(session, line):
             operation.run(session, **values)
         return True

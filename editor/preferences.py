@@ -30,8 +30,12 @@ class Preferences:
     show_outline: bool = True
     #: the reach of every light, not of the selected ones only
     show_lights: bool = False
+    #: grey ball, chrome ball and colour chart in the viewport's corner
+    show_look_card: bool = False
     #: render at half resolution while something moves and full resolution is slow
     adaptive_resolution: bool = True
+    #: while nothing happens, make the programs of the other render paths and debug views
+    prepare_views: bool = True
     fly_speed: float = 1.0
     #: the assets panel: tree, list or grid; how large its pictures are, imgui units; which sorts show ("" = all)
     assets_view: str = "tree"

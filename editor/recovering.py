@@ -49,10 +49,13 @@ def leave(session: Session) -> None:
 
 def recover(session: Session, recovery: Recovery) -> bool:
     """Open what a session that died had open and do its edits again. False when not all of it could be."""
+    from editor.session import shader_root
+
     try:
         resolved = recovery.resolved()
         with session.device_frame():
-            runtime = session.host.open_runtime(session.device, resolved.scene, recovery.base)
+            # edits were made to what the file held then; it may have been saved over since
+            runtime = session.host.open_runtime(session.device, resolved.scene, shader_root(resolved), recovery.base)
     except LucarnaError as error:
         session.fail(error)
         return False

@@ -47,9 +47,13 @@ class UiRequests:
     recoveries: list[Recovery] = field(default_factory=list)
     #: node row whose name the tree should edit, or -1
     rename: int = -1
+    #: a file of the project to rename or move
+    rename_asset: Path | None = None
     #: rows under the pointer to choose from
     pick_list: tuple[int, ...] = ()
     copy_text: str = ""
+    #: edits of a material's parameters are of the selected objects alone
+    only_object: bool = False
     #: takes the clipboard's text
     paste: Callable[[str], None] | None = None
     #: the file that is being dragged out of the assets panel

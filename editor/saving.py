@@ -21,7 +21,7 @@ from editor.commands.lights import DRIFTS
 from editor.document import Document
 from editor.material_editing import parent_values
 from editor.opening import scene_stem
-from editor.tables import FEATURES, QUEUE, TEXTURE, texture_from_plain
+from editor.tables import FEATURES, QUEUE, TEXTURE, object_column, texture_from_plain
 from engine.assets.clip import ClipAsset
 from engine.assets.material import TextureRef
 from engine.assets.scene import NodeAsset, SceneAsset
@@ -108,6 +108,8 @@ def edited_scene(runtime: Any, overrides: Mapping[tuple[str, str, int], Any]) ->
     for (table, column, row), value in overrides.items():
         if table == "nodes":
             _apply_to_node(asset.nodes[row], column, value)
+        elif table == "objects":
+            _apply_to_object(asset.nodes[row], column, value)
         elif table == "lights":
             light = asset.nodes[int(scene.lights.node[row])].light
             if light is not None:
@@ -209,6 +211,20 @@ def _apply_to_node(node: NodeAsset, column: str, value: Any) -> None:
     setattr(node, column, value)
     if column in {"translation", "rotation", "scale"}:
         node.matrix = None
+
+
+def _apply_to_object(node: NodeAsset, column: str, value: Any) -> None:
+    """A parameter of the material in a slot, on this object alone; None: as the material says."""
+    if node.mesh is None:
+        return
+    slot, name = object_column(column)
+    said = [*map(dict, node.mesh.overrides), *({} for _ in range(slot + 1 - len(node.mesh.overrides)))]
+    said[slot].pop(name, None)
+    if value is not None:
+        said[slot][name] = list(value) if isinstance(value, tuple) else value
+    while said and not said[-1]:
+        said.pop()
+    node.mesh = replace(node.mesh, overrides=said)
 
 
 def edited_materials(residency: Any, overrides: Mapping[tuple[str, str, int], Any]) -> dict[Path, dict[str, Any]]:

@@ -16,7 +16,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from editor.commands.command import VIEW_TABLE, Command, Edit
-from editor.commands.structure import StructureCommand
 
 if TYPE_CHECKING:
     from editor.document import Document
@@ -42,13 +41,14 @@ def call(session: Session, id: str, given: Mapping[str, Any]) -> str:
     words = [repr(id), *(f"{name}={literal(value)}" for name, value in given.items())]
     line = f"run({', '.join(words)})"
     document = session.document
-    if document is not None and document.selection and id.split(".")[0] in SELECTED:
+    if document is not None and document.selection and id.split(".")[0] in SELECTED and id not in ALONE:
         line = f"select({', '.join(nodes(document, document.selection))}); {line}"
     return line
 
 
 #: the first part of the ids of operations that look at the selection
 SELECTED = ("edit", "add", "material", "shader", "prefab", "light", "animation")
+ALONE = ("edit.undo", "edit.redo", "edit.select-all", "edit.show-all", "edit.unlock-all")
 
 
 def nodes(document: Document, rows: Sequence[int]) -> list[str]:
@@ -76,9 +76,8 @@ def literal(value: Any) -> str:
 
 def edit_line(entry: Edit) -> str:
     """The line that makes an edit again, or a comment that says which one a script cannot make."""
-    if isinstance(entry, StructureCommand):
-        return entry.line or f"# {entry.describe()}: made by hand, and no operation"
-    assert isinstance(entry, Command)
+    if not isinstance(entry, Command):
+        return getattr(entry, "line", "") or f"# {entry.describe()}: made by hand, and no operation"
     return f"edit({entry.table!r}, {entry.column!r}, {literal(list(entry.rows))}, {literal(list(entry.after))})"
 
 
@@ -90,8 +89,8 @@ def history_script(document: Document, entries: Sequence[Edit] | None = None) ->
     head = [
         f'"""{len(chosen)} edit{"s" if len(chosen) != 1 else ""} of {document.name}, as they were made."""',
         "",
-        "if document_or_none() is None:",
-        f"    open({document.source.as_posix()!r})",
+        "if not is_open():",
+        f"    open_file({document.source.as_posix()!r})",
         "",
     ]
     return "\n".join([*head, *(edit_line(entry) for entry in chosen if entry.target[0] != VIEW_TABLE), ""])

@@ -7,7 +7,7 @@ from collections.abc import Callable, Hashable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from editor import dropping, recovering, saving, tabs, work
+from editor import dropping, recovering, replacing, saving, tabs, work
 from editor.animating import following
 from editor.animating.view import AnimatingView
 from editor.commands.command import VIEW_TABLE
@@ -15,7 +15,6 @@ from editor.document import Document
 from editor.looking import Looking
 from editor.opening import OpenJob
 from editor.playback import Playback
-from editor.tables import SettingsTable
 from engine.core.errors import LucarnaError
 
 
@@ -84,7 +83,7 @@ class Session(Looking):
             tabs.park(self)
             self.tabs.append(tabs.Tab(document))
         self.document = document
-        document.tables[VIEW_TABLE] = SettingsTable(lambda: self.settings)
+        replacing.watch(self, document)
         self.ui.error_bar = ""
         self.messages.findings(document.findings)
         runtime_findings = getattr(document.runtime, "findings", None)

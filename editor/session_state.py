@@ -10,12 +10,15 @@ from typing import TYPE_CHECKING, Any
 
 from editor import preferences
 from editor.animating.view import AnimatingView
+from editor.asset_links import AssetLinks
 from editor.asset_thumbnails import AssetThumbnails
 from editor.camera_controls import OrbitCamera
 from editor.code.files import CodeFiles
+from editor.comparing.comparing import Comparing
 from editor.document import Document
 from editor.host import Host
 from editor.journal import Journal
+from editor.look_card import LookCardPicture
 from editor.messages import Messages
 from editor.opening import OpenJob
 from editor.playback import Playback
@@ -54,7 +57,13 @@ class SessionState:
     image: ViewportImage = field(default_factory=ViewportImage)
     thumbnails: Thumbnails = field(default_factory=Thumbnails)
     preview: Preview = field(default_factory=Preview)
+    comparing: Comparing = field(default_factory=Comparing)
+    look_card: LookCardPicture = field(default_factory=LookCardPicture)
     asset_pictures: AssetThumbnails = field(default_factory=AssetThumbnails)
+    #: which file of the project names which
+    links: AssetLinks = field(default_factory=AssetLinks)
+    #: the file that is chosen in the assets panel
+    asset: Path | None = None
     ui: UiRequests = field(default_factory=UiRequests)
     code: CodeFiles = field(default_factory=CodeFiles)
     shaders: ShaderWatch = field(default_factory=ShaderWatch)

@@ -8,6 +8,7 @@ cameras      yfov znear                                 rows = camera rows
 materials    <parameter of the effect>                  rows = material ids
              texture:SLOT (see texture_to_plain, None: nothing in it)  :features  :queue
              several of these joined by commas: one edit, their values in one tuple
+objects      SLOT:PARAMETER, of the material in that slot   rows = node rows; None: as the material says
 environment  fields of EnvironmentAsset                 row 0
 look         fields of LookAsset                        row 0
 settings     names of render settings, joined by commas  row 0; of the view, not of the document: never saved
@@ -23,7 +24,10 @@ import numpy as np
 
 from editor.commands.command import Command
 from editor.host import Runtime
-from engine.assets.material import TextureRef
+from engine.assets.material import QUEUES, TextureRef
+from engine.assets.scene_json import check_field
+from engine.core.errors import InputError
+from engine.math import quat
 
 #: columns of the materials that are no parameters
 TEXTURE, FEATURES, QUEUE = "texture:", ":features", ":queue"
@@ -213,6 +217,28 @@ def texture_from_plain(value: Sequence[Any]) -> TextureRef:
     return TextureRef(**fields)
 
 
+class ObjectTable:
+    """Parameters of materials that are other on one object; None where it says nothing itself."""
+
+    def __init__(self, runtime: Any) -> None:
+        self._runtime = runtime
+
+    def read(self, column: str, rows: Sequence[int]) -> tuple[Any, ...]:
+        slot, name = object_column(column)
+        return tuple(plain(self._runtime.objects.values(row, slot).get(name)) for row in rows)
+
+    def write(self, column: str, rows: Sequence[int], values: Sequence[Any]) -> None:
+        slot, name = object_column(column)
+        for row, value in zip(rows, values, strict=True):
+            self._runtime.objects.set(row, slot, {name: value})
+
+
+def object_column(column: str) -> tuple[int, str]:
+    """`0:roughness` -> the slot and the parameter."""
+    slot, _, name = column.partition(":")
+    return int(slot), name
+
+
 class SettingsTable:
     """The render settings of the viewport: one column for all that are set together, their values in one tuple."""
 
@@ -245,13 +271,75 @@ def tables_of(runtime: Runtime) -> dict[str, Table]:
         "materials": MaterialTable(runtime.residency),
         "environment": RecordTable(scene.environment),
         "look": RecordTable(scene.look),
+        **({"objects": ObjectTable(runtime)} if hasattr(runtime, "objects") else {}),
         **({"animation": AnimationTable(runtime)} if hasattr(runtime, "animation") else {}),
     }
+
+
+#: columns of the nodes that are no fields of a node in a file, and what they may be
+LOCAL_PARTS = ("translation", "rotation", "scale")
+
+
+def check_value(table: str, column: str, value: Any) -> None:
+    """Raise InputError where `value` could be set but not saved."""
+    value = plain(value)
+    if table == "materials":
+        _check_said(column, value)
+        return
+    if table != "nodes" or column not in ("local", "skinning", "weights"):
+        check_field(table, column, value)
+        return
+    if column == "local":
+        for name, part in zip(LOCAL_PARTS, value, strict=False):
+            check_field("nodes", name, part)
+        if value[3] is not None:
+            check_field("nodes", "matrix", np.asarray(value[3], np.float64).ravel())
+    elif column == "weights":
+        check_field("nodes", "weights", value)
+
+
+def _check_said(column: str, value: Any) -> None:
+    """The columns of the materials that are no parameters; those are checked by the effect."""
+    texts = isinstance(value, tuple) and all(isinstance(v, str) for v in value)
+    if column == FEATURES and not texts:
+        raise InputError(f"features: {value!r} are no names")
+    if column == QUEUE and value not in QUEUES:
+        raise InputError(f"queue: {value!r} is none", hint=f"choose one of {', '.join(QUEUES)}")
+    if column.startswith(TEXTURE) and value is not None:
+        try:
+            usual = TextureRef("")
+            given = texture_from_plain(value)
+            fields = [(getattr(given, n), getattr(usual, n)) for n in TextureRef.__slots__]
+            fits = all(isinstance(a, type(b)) or (type(a), type(b)) == (int, float) for a, b in fields)
+        except (TypeError, ValueError):
+            fits = False
+        if not fits:
+            raise InputError(f"{column.removeprefix(TEXTURE)}: {value!r} is no texture")
+
+
+def _with_unit_rotation(column: str, value: Any) -> Any:
+    """As the table keeps it, so that what is saved does not depend on whether it was undone in between."""
+    if column == "rotation":
+        return quat.normalize(value)
+    translation, rotation, scale, matrix = value
+    return translation, quat.normalize(rotation), scale, matrix
 
 
 def make_command(
     tables: Mapping[str, Table], table: str, column: str, rows: Sequence[int], values: Sequence[Any], label: str = ""
 ) -> Command:
     """The command that sets `column` of `rows` to `values`, with the present values as its `before`."""
+    names = column.split(",")
+    for value in values:
+        for name, part in zip(names, value if len(names) > 1 else (value,), strict=True):
+            check_value(table, name, part)
+    if table == "nodes" and column in ("rotation", "scale"):
+        now = tables[table].read("local", rows)
+        if any(local[3] is not None for local in now):  # a matrix that no rotation and scale can say: undo needs it all
+            place = LOCAL_PARTS.index(column)
+            values = [(*part[:place], value, *part[place + 1 : 3], None) for part, value in zip(now, values, strict=True)]
+            column = "local"
+    if table == "nodes" and column in ("rotation", "local"):
+        values = [_with_unit_rotation(column, value) for value in values]
     before = tables[table].read(column, rows)
     return Command(table, column, tuple(int(r) for r in rows), before, tuple(plain(v) for v in values), label)

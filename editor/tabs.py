@@ -121,6 +121,8 @@ def clear(session: Session) -> None:
     with session.device_frame():
         session.thumbnails.forget()
         session.preview.forget()
+        session.look_card.forget()
+    session.comparing.forget(session)
     session.document = session.journal = session.forced_cost = session.feature_effects = None
     session.playback = Playback()
     session.reports, session.report_settings = {}, {}

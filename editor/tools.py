@@ -17,6 +17,8 @@ class Tools:
     mode: str = "move"
     local: bool = False
     measuring: bool = False
+    #: the camera goes round by itself
+    turning: bool = False
     points: list[NDArray[np.float64]] = field(default_factory=list)
 
     def measure(self, point: NDArray[np.float64]) -> None:
@@ -33,4 +35,4 @@ class Tools:
     def forget(self) -> None:
         """Another document: what was measured is gone."""
         self.points.clear()
-        self.measuring = False
+        self.measuring = self.turning = False

@@ -19,6 +19,9 @@ COARSER = ((250.0, 0.25), (45.0, 0.5))
 #: pictures after a change before a renderer can say that its exposure has settled: it reads what it did some frames ago
 UNSURE = 4
 
+#: seconds without a change before programs of other paths and views are made
+REST = 1.0
+
 #: seconds that a frame of the window spends on new shader programs: it stays under 50 ms where a program takes less
 PATIENCE = 0.02
 
@@ -45,6 +48,9 @@ class ViewportImage:
         self._key: Hashable = None
         self._moving = False
         self._scale = 1.0
+        self._rested = 0.0
+        #: (done, of how many) other paths and views, while their programs are made
+        self.rehearsing: tuple[int, int] | None = None
 
     def update(self, session: Session, width: int, height: int) -> Any:
         """The frame for `session` at `width` x `height` pixels; renders if it differs from the one at hand.
@@ -59,7 +65,9 @@ class ViewportImage:
         runtime.scene.update()
         key = (id(runtime), width, height, *session.visible_state())
         if key == self._key and not self.settling:
+            self._rehearse(session)
             return self.frame
+        self._rested, self.rehearsing = self.clock(), None
         try:
             with session.device_frame():
                 frame = self._made(runtime, self._timed(session.view()))
@@ -75,6 +83,25 @@ class ViewportImage:
         # taken after the render: streaming may have moved a revision, and that is shown by the next one
         self._key = key
         return self.frame
+
+    def disturb(self) -> None:
+        """The user does something: what can wait does."""
+        self._rested = self.clock()
+
+    def _rehearse(self, session: Session) -> None:
+        """Make programs of other paths and views, where the window is at rest and may."""
+        self.rehearsing = None
+        rehearsal = getattr(session.document.runtime, "rehearsal", None) if session.document is not None else None
+        if self.patience is None or rehearsal is None or not session.preferences.prepare_views:
+            return
+        if session.interacting or session.playback.playing or self.compiling is not None:
+            return
+        if self.clock() - self._rested < REST:
+            self.rehearsing = (rehearsal.done, rehearsal.total)  # so that the window does not fall asleep before
+            return
+        with session.device_frame():
+            if rehearsal.step(session.view(), self.patience):
+                self.rehearsing = (rehearsal.done, rehearsal.total)
 
     def _timed(self, view: Any) -> Any:
         """The view with the time since the last picture; without, where there is none that an eye has got used to."""

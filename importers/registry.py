@@ -53,6 +53,10 @@ class Importer:
             from importers.processing import clean
 
             clean(model, settings)
+        from importers.adjusting import adjust, wanted
+
+        if wanted(settings):
+            adjust(model, settings)
         if model.materials and (settings.loose_textures or settings.materials or settings.textures):
             from importers.loose_textures import complete
 

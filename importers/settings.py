@@ -106,6 +106,13 @@ class ImportSettings:
     source_up: str = setting(
         "auto", group="source", choices=("auto", "y", "z"), doc="which axis is up in formats that do not say it"
     )
+    scale: float = setting(
+        1.0, group="source", min=1e-9, max=1e9, doc="make everything so many times as large, whatever the source says"
+    )
+    turn: str = setting(
+        "none", group="source", choices=("none", "z-up", "z-down", "x-up", "y-down", "back", "left", "right"),
+        doc="turn everything: what the source calls z becomes up, or what was front looks back, left, right",
+    )  # fmt: skip
     scene: str = setting("", group="source", doc="which scene of a glTF file, by name or number; '' = its default one")
     image_as: str = setting(
         "auto", group="source", choices=("auto", "2d", "cube", "array", "environment"),
@@ -114,6 +121,12 @@ class ImportSettings:
     clean_triangles: bool = setting(
         True, group="geometry", doc="leave out triangles that name a vertex twice or are there twice"
     )
+    flip_v: bool = setting(False, group="geometry", doc="turn texture coordinates upside down")
+    normals: str = setting(
+        "keep", group="geometry", choices=("keep", "flat", "smooth"),
+        doc="make normals anew: one a face, or smooth over edges of less than 60 degrees",
+    )  # fmt: skip
+    tangents: bool = setting(False, group="geometry", doc="make tangents anew from the first texture coordinates")
     triangle_order: str = setting(
         "overdraw", group="geometry", choices=("overdraw", "cache", "source"),
         doc="draw triangles as the vertex cache likes it, with overdraw also from the outside in; or as in the source",
@@ -130,6 +143,7 @@ class ImportSettings:
         -1.0, group="animation", min=-1.0, unit="mm",
         doc="fewer keys in 16 bits while no vertex moves by more; 0 = all as they are, -1 = 1/10,000 of the size",
     )  # fmt: skip
+    two_sided: bool = setting(False, group="materials", doc="draw both sides of every face")
     variant: str = setting("", group="materials", doc="material variant of a glTF file to show; '' = the plain ones")
     loose_textures: bool = setting(
         True, group="materials", doc="find textures beside the model by their names for materials without any"

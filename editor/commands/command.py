@@ -25,7 +25,10 @@ class Edit(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Command:
-    """`before[i]` and `after[i]` are the values of `column` in row `rows[i]`: numbers, strings or tuples of them."""
+    """`before[i]` and `after[i]` are the values of `column` in row `rows[i]`: numbers, strings or tuples of them.
+
+    `unsaid`: (before, after): the (column, row) whose value was nobody's, as it was in the file or as a clip had moved
+    it; there undo must not leave a value behind that saving would write down."""
 
     table: str
     column: str
@@ -33,6 +36,7 @@ class Command:
     before: tuple[Any, ...]
     after: tuple[Any, ...]
     label: str = ""
+    unsaid: tuple[tuple[tuple[str, int], ...], tuple[tuple[str, int], ...]] = ((), ())
 
     def __post_init__(self) -> None:
         assert len(self.rows) == len(self.before) == len(self.after), "one value before and after for each row"
@@ -51,7 +55,7 @@ class Command:
         return self.table == VIEW_TABLE
 
     def inverse(self) -> Command:
-        return replace(self, before=self.after, after=self.before)
+        return replace(self, before=self.after, after=self.before, unsaid=self.unsaid[::-1])
 
     def followed_by(self, later: Command) -> Command:
         """This command and then `later` on the same target, as one."""

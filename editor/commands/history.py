@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Iterator
+from contextlib import contextmanager
 
 from editor.commands.command import Edit
 
@@ -26,6 +27,8 @@ class History:
         self._saved: int | None = 0
         #: told of everything after it happened, so that it can be written down
         self.listener: Listener | None = None
+        #: told of entries that are neither to be undone nor done again any more
+        self.on_dropped: Callable[[list[Edit]], None] | None = None
         #: grows with every write to the document, undo and redo too: a cheap "did anything change"
         self.revision = 0
 
@@ -45,14 +48,23 @@ class History:
         self._settle()
         if self._saved is not None and self._saved > len(self._done):
             self._saved = None  # the saved state was in the branch that this edit cuts off
+        dropped = self._undone[:]
         self._undone.clear()
         self._done.append(command)
         self._gesture = gesture
         if len(self._done) > self._limit:
-            del self._done[0]
-            if self._saved is not None:
-                self._saved = self._saved - 1 if self._saved > 0 else None
+            dropped += self.forget(1)
         self._tell("do", command, gesture)
+        if dropped and self.on_dropped is not None:
+            self.on_dropped(dropped)
+
+    def forget(self, count: int) -> list[Edit]:
+        """Drop the `count` oldest entries, which can no longer be undone; returns them."""
+        dropped = self._done[:count]
+        del self._done[:count]
+        if self._saved is not None:
+            self._saved = self._saved - count if self._saved >= count else None
+        return dropped
 
     def end_gesture(self) -> None:
         """The pointer was let go: the next edit starts an entry of its own."""
@@ -90,6 +102,23 @@ class History:
             pass
         while len(self._done) < count and self.redo() is not None:
             pass
+
+    @contextmanager
+    def visiting(self, count: int) -> Iterator[None]:
+        """For a while as it was with `count` entries done, then as it is; nobody is told. Not during a gesture."""
+        assert self._gesture is None, "a gesture would be torn in two"
+        here, listener = len(self._done), self.listener
+        self.listener = None
+        try:
+            self.go_to(count)
+            yield
+        finally:
+            self.go_to(here)
+            self.listener = listener
+
+    @property
+    def in_gesture(self) -> bool:
+        return self._gesture is not None
 
     @property
     def undo_label(self) -> str:

@@ -15,7 +15,7 @@ class Dialogs:
     """All of them, with their state."""
 
     def __init__(self) -> None:
-        from editor.dialogs import cards, choose, files, modals, palette, pick_list, recovery
+        from editor.dialogs import cards, choose, files, modals, palette, pick_list, recovery, rename_asset
 
         self.parts = (
             files.FileDialog(saving=False),
@@ -29,6 +29,7 @@ class Dialogs:
             palette.Palette(),
             recovery.RecoveryModal(),
             pick_list.PickList(),
+            rename_asset.RenameAsset(),
             modals.Notice(),
         )
 

@@ -18,6 +18,7 @@ from editor.thumbnail_maker import ANIMATIONS, EFFECTS, ENVIRONMENTS, MATERIALS,
 from editor.ui import Ui
 from editor.widgets import em, empty_state, fitted, icon_button, pretty, search_field, text, tooltip
 from engine.core.errors import LucarnaError
+from importers.project.references import project_root
 
 KIND_LOOKS = {
     "folder": (icons.FOLDER, theme.rgb("#c9a46a")),
@@ -133,6 +134,10 @@ class AssetsPanel(Panel):
                 imgui.push_style_color(imgui.Col_.text, imgui.ImVec4(*color))
                 opened = imgui.tree_node_ex(f"{icon}###{entry.path}", imgui.TreeNodeFlags_.span_avail_width)
                 imgui.pop_style_color()
+                self._drop_into(ui, entry.path)
+                if imgui.begin_popup_context_item(f"##menu{entry.path}"):
+                    self._menu(ui, entry)
+                    imgui.end_popup()
                 imgui.same_line(0, em(0.4))
                 imgui.text_unformatted(entry.name)
                 if opened:
@@ -219,7 +224,7 @@ class AssetsPanel(Panel):
     def _touched(self, ui: Ui, entry: Entry, found: Thumbnail, clicked: bool) -> None:
         """Clicks, drags, the menu and the tooltip of the item before."""
         if clicked:
-            self.chosen = entry.path
+            self.chosen = ui.session.asset = entry.path
             if imgui.is_mouse_double_clicked(imgui.MouseButton_.left):
                 self._open(ui, entry)
         if entry.kind != "folder" and imgui.begin_drag_drop_source(imgui.DragDropFlags_.none):
@@ -227,6 +232,8 @@ class AssetsPanel(Panel):
             imgui.set_drag_drop_payload_py_id(ASSET, 0)
             imgui.text_unformatted(entry.name)
             imgui.end_drag_drop_source()
+        if entry.kind == "folder":
+            self._drop_into(ui, entry.path)
         about = f"{entry.name}\n{size_text(entry.size)}" if entry.kind != "folder" else entry.name
         if found.state == pictures.BROKEN:
             about += f"\n\n{icons.ERROR}  {found.error}"
@@ -234,6 +241,13 @@ class AssetsPanel(Panel):
         if imgui.begin_popup_context_item(f"##menu{entry.path}"):
             self._menu(ui, entry)
             imgui.end_popup()
+
+    def _drop_into(self, ui: Ui, folder: Path) -> None:
+        """A file that is let go over a folder moves there, and what refers to it follows."""
+        if imgui.begin_drag_drop_target():
+            if imgui.accept_drag_drop_payload_py_id(ASSET) is not None and ui.session.ui.dragged is not None:
+                ui.operations.run("file.move", ui.session, old=ui.session.ui.dragged, new=folder)
+            imgui.end_drag_drop_target()
 
     @staticmethod
     def _can_open(entry: Entry) -> bool:
@@ -259,8 +273,32 @@ class AssetsPanel(Panel):
             ui.session.open_code(entry.path)
         if sort_of(entry.name) == MATERIALS and imgui.menu_item_simple("New material that inherits from this"):
             _derive(ui, entry.path)
+        imgui.separator()
+        if imgui.menu_item_simple("Rename or move…"):
+            ui.session.ui.rename_asset = entry.path
+        self._links(ui, entry)
         if imgui.menu_item_simple("Copy path"):
             imgui.set_clipboard_text(str(entry.path))
+
+    def _links(self, ui: Ui, entry: Entry) -> None:
+        """Sub-menus of who uses the file and what it uses; a click chooses that one."""
+        links = ui.session.links
+        if self._root is not None:
+            links.refresh(project_root(entry.path))
+        for label, found in (("Used by", links.used_by(entry.path)), ("Uses", links.uses(entry.path))):
+            if imgui.begin_menu(f"{label} {len(found) or 'nothing'}###{label}", bool(found)):
+                for path in found:
+                    if imgui.menu_item_simple(f"{path.name}##{path}"):
+                        self._choose(ui, path)
+                    tooltip(str(path))
+                imgui.end_menu()
+
+    def _choose(self, ui: Ui, path: Path) -> None:
+        """Show that file: its folder, and nothing that filters it away."""
+        self.chosen = ui.session.asset = path
+        self.needle = ui.session.preferences.assets_sort = ""
+        if self._root is not None and self._root in path.parents:
+            self.folder = path.parent.relative_to(self._root)
 
 
 def _derive(ui: Ui, path: Path) -> None:

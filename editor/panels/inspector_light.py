@@ -106,7 +106,8 @@ class LightEditor:
             "Brightness", f"{UNIT_DOCS[unit]}\nKept in {NATIVE_UNIT[light.type]}", changed=light.intensity != 1.0
         )
         imgui.push_id(f"brightness{rows[0]}")
-        imgui.set_next_item_width(-em(6.6))
+        room = imgui.get_content_region_avail().x
+        imgui.set_next_item_width(max(room - em(6.6), 0.45 * room))  # the number before its unit, where both are short
         changed, new = imgui.drag_float(
             "##value", value, max(value * 0.01, 0.001), 0.0, 1e12, "%.4g", imgui.SliderFlags_.always_clamp
         )
@@ -125,7 +126,7 @@ class LightEditor:
             "Profile", "An IES file that shapes the light: its path, relative to the scene", changed=bool(light.profile)
         )
         imgui.push_id(f"profile{rows[0]}")
-        imgui.set_next_item_width(-em(3.8 if light.profile else 2.0))
+        imgui.set_next_item_width(-em(4.6 if light.profile else 2.3))
         flags = imgui.InputTextFlags_.enter_returns_true | imgui.InputTextFlags_.auto_select_all
         _entered, path = imgui.input_text_with_hint("##path", "file.ies", light.profile, flags)
         if imgui.is_item_deactivated_after_edit() and path.strip() != light.profile:

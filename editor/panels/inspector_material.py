@@ -4,12 +4,13 @@ those of all selected nodes at once."""
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from imgui_bundle import imgui
 
-from editor import icons, material_editing, theme
+from editor import icons, material_editing, object_editing, theme
 from editor.document import Document
 from editor.material_editing import Shared
 from editor.panels.base import ASSET
@@ -62,7 +63,8 @@ def _section(ui: Ui, document: Document, materials: Sequence[int]) -> None:
     imgui.push_id(f"material{materials[0]}")
     _actions(ui, materials, records)
     shared = material_editing.shared_params(residency, materials)
-    _declared(ui, materials, records, shared)
+    held = object_editing.holders(document, materials)
+    _declared(ui, document, materials, records, shared, held)
     if len(materials) == 1:
         _features(ui, materials, records[0])
         _about(records[0])
@@ -81,6 +83,15 @@ def _actions(ui: Ui, materials: Sequence[int], records: Sequence[Any]) -> None:
     imgui.same_line(0, em(0.1))
     if icon_button(f"{icons.RESET}###reset-all", "All parameters back to their defaults"):
         material_editing.reset(session, materials)
+    imgui.same_line(0, em(0.1))
+    only = session.ui.only_object
+    about = "Edits are of this object only" if only else "Edit this object only: the material stays as it is elsewhere"
+    if icon_button(f"{icons.PIN}###only-object", about, active=only):
+        session.ui.only_object = not only
+    if object_editing.has_own(session):
+        imgui.same_line(0, em(0.1))
+        if icon_button(f"{icons.ERASE}###clear-object", "The object as its material says, in all"):
+            object_editing.clear(session)
     if len(materials) > 1:
         return
     imgui.same_line(0, em(0.1))
@@ -92,9 +103,13 @@ def _actions(ui: Ui, materials: Sequence[int], records: Sequence[Any]) -> None:
         session.open_code(Path(records[0].path))
 
 
-def _declared(ui: Ui, materials: Sequence[int], records: Sequence[Any], shared: Sequence[Shared]) -> None:
+def _declared(
+    ui: Ui, document: Document, materials: Sequence[int], records: Sequence[Any], shared: Sequence[Shared],
+    held: Sequence[object_editing.Holder],
+) -> None:  # fmt: skip
     """Parameters and texture slots by their groups, those that matter now."""
     effect = records[0].effect
+    own = object_editing.own_values(document, held) if held else {}
     by_name = {s.param.name: s for s in shared}
     facts = facts_of(effect, records[0].asset, {s.param.name: s.values[0] for s in shared})
     params, slots = grouped([s.param for s in shared], facts), grouped(effect.textures, facts)
@@ -104,14 +119,40 @@ def _declared(ui: Ui, materials: Sequence[int], records: Sequence[Any], shared: 
             continue
         with property_grid("params") as drawn:
             for param in params.get(group, ()) if drawn else ():
-                _parameter(ui, materials, records, by_name[param.name])
+                if param.name in own:
+                    _own_parameter(ui, materials, held, by_name[param.name], own[param.name])
+                else:
+                    _parameter(ui, materials, held, records, by_name[param.name])
         if group in slots:
             _slots(ui, materials, records, slots[group])
         if group:
             imgui.tree_pop()
 
 
-def _parameter(ui: Ui, materials: Sequence[int], records: Sequence[Any], one: Shared) -> None:
+def _own_parameter(
+    ui: Ui, materials: Sequence[int], held: Sequence[object_editing.Holder], one: Shared, values: Sequence[Any]
+) -> None:
+    """One that a selected object says itself; back means: as the material says."""
+    session, name, said = ui.session, one.param.name, one.values[0]
+    told = f"On this object only; the material says {format_value(said)}"
+    shown = [said if value is None else value for value in values]
+
+    def menu() -> None:
+        if imgui.menu_item_simple(f"{icons.RESET}  As the material says: {format_value(said)}"):
+            object_editing.set_value(session, materials, held, name, None)
+
+    usual = replace(one.param, default=said)
+    changed, value = param_row(
+        usual, shown[0], label=f"{icons.PIN} {pretty(name)}", mixed=any(v != shown[0] for v in shown), changed=True,
+        menu=menu, degrees=one.param.unit == "rad", more=told,
+    )  # fmt: skip
+    if changed:
+        object_editing.set_value(session, materials, held, name, None if value is usual.default else value)
+
+
+def _parameter(
+    ui: Ui, materials: Sequence[int], held: Sequence[object_editing.Holder], records: Sequence[Any], one: Shared
+) -> None:
     param = one.param
     changed, value = param_row(
         param,
@@ -123,7 +164,7 @@ def _parameter(ui: Ui, materials: Sequence[int], records: Sequence[Any], one: Sh
         more=_origin(records, f"params.{param.name}", one.changed),
     )
     if changed:
-        material_editing.set_param(ui.session, materials, param.name, value)
+        object_editing.set_value(ui.session, materials, held, param.name, value)
 
 
 def _origin(records: Sequence[Any], key: str, changed: bool) -> str:

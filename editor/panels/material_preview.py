@@ -160,6 +160,10 @@ class MaterialPreviewPanel(Panel):
         problems = ui.session.shaders.badge
         line = preview.error or problems
         imgui.set_cursor_screen_pos((x, y))
+        if line or preview.note:  # the picture may be of any colour
+            wide, high = imgui.get_content_region_avail().x, imgui.get_text_line_height()
+            low, pad = (x - em(0.3), y - em(0.2)), theme.u32(theme.FRAME)
+            imgui.get_window_draw_list().add_rect_filled(low, (x + wide, y + high + em(0.2)), pad, em(0.2))
         if line:
             fitted_text(f"{icons.ERROR}  {line}", theme.ERROR)
         elif preview.note:

@@ -11,7 +11,7 @@ PANELS = (
     "shader_editor",
     "animation_timeline", "state_graph", "blend_space", "bone_masks", "history", "frame_graph", "texture_viewer",
     "report", "numbers", "console",
-    "material_preview", "brdf_explorer",
+    "material_preview", "brdf_explorer", "compare",
 )  # fmt: skip
 
 

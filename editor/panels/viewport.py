@@ -19,6 +19,7 @@ from editor import (
     theme,
 )
 from editor.camera_controls import OrbitCamera
+from editor.compare_overlay import CompareOverlay
 from editor.gizmo_widget import GizmoWidget
 from editor.navigation import WHEEL, motion_for
 from editor.panels import document_tabs, timeline, viewport_strip
@@ -48,6 +49,7 @@ class ViewportPanel(Panel):
         #: while flying, bare keys belong to the camera
         self.flying = False
         self.gizmo = GizmoWidget()
+        self.compare = CompareOverlay()
         #: node row of the light or camera whose sign is under the pointer, or -1
         self.marker = self._pressed = -1
         #: node row of the bone under the pointer, or -1
@@ -79,7 +81,11 @@ class ViewportPanel(Panel):
         self.area = (origin.x, origin.y, width, height)
         ui.viewport_at = ui.drawn
         scale = ui.pixel_scale * session.image.resolution(session)
-        frame = session.image.update(session, round(width * scale), round(height * scale))
+        size = round(width * scale), round(height * scale)
+        self.compare.release(ui)
+        session.comparing.update(session, *size)
+        frame = session.image.update(session, *size)
+        session.comparing.after(session)
         if self.gizmo.busy and not self.motion:  # its handles want a press that no other item takes
             imgui.dummy((width, height))
         else:
@@ -100,7 +106,9 @@ class ViewportPanel(Panel):
             lines.add_image(imgui.ImTextureRef(native), (origin.x, origin.y), end, (0, 0), (1, 1))
         else:  # the null device has no picture
             lines.add_rect_filled((origin.x, origin.y), end, theme.u32(theme.FRAME))
-        over_axes = self._overlays(ui, origin.x, origin.y, width, height, hovered and not self.motion)
+        free = hovered and not self.motion
+        over_axes = self.compare.draw(ui, origin.x, origin.y, width, height, hoverable=free)
+        over_axes |= self._overlays(ui, origin.x, origin.y, width, height, free and not over_axes)
         blocked = bool(self.motion) or over_axes or bool(imgui.get_io().key_alt) or session.tools.measuring
         self.gizmo.draw(ui, origin.x, origin.y, width, height, blocked=blocked)
         if self.motion == "select" and self._travel > em(CLICK_SLOP):
@@ -135,8 +143,24 @@ class ViewportPanel(Panel):
             if parts:
                 height_used = imgui.get_text_line_height() + 2 * imgui.get_style().frame_padding.y
                 overlay.chip(left, bottom - height_used, "   ".join(parts), theme.DIM)
+        self._look_card(ui, x + width - em(0.6), y + height - em(0.6), width)
         over_badge = self._badge(ui, left, y + em(0.6), width - em(6.5), hoverable)
         return over_axes or over_badge
+
+    def _look_card(self, ui: Ui, right: float, bottom: float, room: float) -> None:
+        """Grey, chrome and a colour chart in the corner, under the scene's surroundings and this look."""
+        from engine.app.look_card import ASPECT
+
+        height = em(5.2)
+        if not ui.session.preferences.show_look_card or room < 2.0 * ASPECT * height:
+            return
+        scale = ui.pixel_scale
+        native = ui.session.look_card.native(ui.session, round(ASPECT * height * scale), round(height * scale))
+        low, high = (right - ASPECT * height, bottom - height), (right, bottom)
+        lines = imgui.get_window_draw_list()
+        if native:
+            lines.add_image_rounded(imgui.ImTextureRef(native), low, high, (0, 0), (1, 1), 0xFFFFFFFF, em(0.3))
+        lines.add_rect(low, high, theme.u32(theme.BORDER), em(0.3))
 
     def _badge(self, ui: Ui, x: float, y: float, width: float, hoverable: bool) -> bool:
         """What is wrong with the picture; a click goes to the shader's line. True when the pointer is on it."""
@@ -212,7 +236,9 @@ class ViewportPanel(Panel):
             turned = viewport_strip.wrap_degrees(
                 float(getattr(session.settings, "environment_rotation", 0.0)) + 0.5 * dx
             )
-            session.settings.environment_rotation = turned
+            session.edit(
+                "settings", "environment_rotation", (0,), ((turned,),), gesture="turn-light", label="Turn the light"
+            )
         session.camera = camera
 
     def _fly(self, ui: Ui, camera: OrbitCamera, seconds: float) -> OrbitCamera:

@@ -1,107 +1,164 @@
-"""The bar above the picture: the light's rotation, exposure, tone map, debug view; what the frame cost."""
+"""The bars above the picture. Tools, comparing and what the frame cost; below, always all of it: what lights the scene
+and how it is turned, exposure, the curve to the display, debug view, render path."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 from imgui_bundle import imgui
 
-from editor import icons, theme
+from editor import icons, looks, surroundings, theme
 from editor.param_widgets import filled_slider
 from editor.ui import Ui
-from editor.widgets import em, icon_button, pretty, text, tooltip
-from engine.core.param import Param, ParamBlock
+from editor.widgets import cut, em, icon_button, pretty, text, tooltip
+from engine.core.param import Param
 from engine.render.settings import VIEW_LEGENDS
 
 #: (setting, icon, width in em); those a build's settings do not have are left out
 CONTROLS = (
-    ("environment_rotation", icons.ENVIRONMENT, 5.5),
-    ("exposure", icons.EXPOSURE, 5.0),
-    ("tone_map", icons.LOOK, 7.5),
-    ("view", icons.VISIBLE, 7.0),
-    ("path", icons.LIGHT, 7.5),
+    ("environment_rotation", "", 4.5),
+    ("exposure", icons.EXPOSURE, 4.8),
+    ("tone_map", icons.LOOK, 7.0),
+    ("view", icons.VISIBLE, 6.6),
+    ("path", icons.LIGHT, 6.0),
 )
-#: where there is no room for all: which stay, the first ones longest
-KEPT = ("view", "path", "exposure", "tone_map", "environment_rotation")
-GAP = 0.9
+SURROUNDINGS = 6.4
+GAP = 0.6
 #: (operation, icon)
 TOOLS = (
     ("tool.select", icons.SELECT), ("tool.move", icons.MOVE), ("tool.rotate", icons.ROTATE),
     ("tool.scale", icons.SCALE), ("tool.local", icons.AXES), ("tool.measure", icons.RULER),
 )  # fmt: skip
+COMPARING = (("compare.take", "A"), ("compare.wipe", icons.COMPARE), ("compare.difference", icons.DIFFERENCE))
+STAGING = (("view.look-card", icons.MATERIAL), ("view.turntable", icons.TURNTABLE))
 
 
 def draw(ui: Ui) -> None:
-    """One line over the width; where not all controls fit, the last of KEPT are left out."""
+    """Both bars; the lower one goes on in a further line where it does not fit."""
+    imgui.set_cursor_pos((em(0.5), imgui.get_cursor_pos_y() + em(0.25)))
+    for group in (TOOLS, COMPARING, STAGING):
+        for id, icon in group:
+            _tool(ui, id, icon)
+        imgui.same_line(0, em(0.9))
+    _cost(ui)
+    look_bar(ui)
+
+
+def look_bar(ui: Ui) -> None:
+    """The look-dev strip."""
     settings = ui.session.settings
     known = {p.name: p for p in settings.PARAMS}
-    imgui.set_cursor_pos((em(0.5), imgui.get_cursor_pos_y() + em(0.25)))
-    _tools(ui)
+    left = em(0.5)
+    imgui.set_cursor_pos_x(left)
     button = imgui.calc_text_size(icons.LIGHT).x + 2.0 * imgui.get_style().frame_padding.x
-    shown = fitting(
-        {name: em(width + GAP) + button for name, _icon, width in CONTROLS if name in known},
-        imgui.get_content_region_avail().x,
-    )
+    _surroundings(ui)
     for name, icon, width in CONTROLS:
-        if name in shown:
-            _control(settings, known[name], icon, em(width))
-            if name == "path" and ui.session.image.frame is not None:
-                tooltip(f"Now: {pretty(ui.session.image.frame.path.path)}\n{ui.session.image.frame.path.reason}")
-            imgui.same_line(0, em(GAP))
-    _cost(ui)
+        if name not in known:
+            continue
+        imgui.same_line(0, em(GAP if icon else 0.15))
+        if imgui.get_content_region_avail().x < em(width) + (button if icon else 0.0):
+            imgui.new_line()
+            imgui.set_cursor_pos_x(left)
+        _control(ui, known[name], icon, em(width))
+    imgui.set_cursor_pos_y(imgui.get_cursor_pos_y() - em(0.1))
 
 
-def fitting(widths: Mapping[str, float], room: float) -> set[str]:
-    """Which of the controls fit, by KEPT."""
-    shown: set[str] = set()
-    for name in KEPT:
-        if name in widths and widths[name] <= room:
-            shown.add(name)
-            room -= widths[name]
-    return shown
+def _tool(ui: Ui, id: str, icon: str) -> None:
+    operation = ui.operations[id]
+    active = operation.checked is not None and operation.checked(ui.session)
+    if id == "compare.take":
+        active = ui.session.comparing.moment(ui.session) is not None
+    key = f" ({operation.shortcuts[0]})" if operation.shortcuts else ""
+    hint = f"{operation.label}{key}" + (f"\n{operation.doc}" if operation.doc else "")
+    if icon_button(f"{icon}##{id}", hint, active=active, enabled=operation.enabled(ui.session)):
+        ui.operations.run(id, ui.session)
+    imgui.same_line(0, em(0.05))
 
 
-def _tools(ui: Ui) -> None:
-    """The tools as buttons, each with its key."""
-    for id, icon in TOOLS:
-        operation = ui.operations[id]
-        active = operation.checked is not None and operation.checked(ui.session)
-        hint = f"{operation.label} ({operation.shortcuts[0]})" + (f"\n{operation.doc}" if operation.doc else "")
-        if icon_button(f"{icon}##{id}", hint, active=active):
-            ui.operations.run(id, ui.session)
-        imgui.same_line(0, em(0.05))
-    imgui.same_line(0, em(0.7))
+def _surroundings(ui: Ui) -> None:
+    """What the scene is lit by, as a list to choose from."""
+    session = ui.session
+    if icon_button(f"{icons.ENVIRONMENT}##panorama", "Light with a panorama (.hdr, .exr); or drop one on the window"):
+        ui.operations.run("surroundings.panorama", session)
+    imgui.same_line(0, 0)
+    imgui.set_next_item_width(em(SURROUNDINGS))
+    if imgui.begin_combo("##surroundings", cut(surroundings.label(session), em(SURROUNDINGS - 2.2))):
+        for kind, (label, doc) in surroundings.KINDS.items():
+            chosen = ui.operations[f"surroundings.{kind}"]
+            if imgui.selectable(label, bool(chosen.checked and chosen.checked(session)))[0]:
+                ui.operations.run(chosen.id, session)
+            tooltip(doc)
+        panorama = ui.operations["surroundings.panorama"]
+        if imgui.selectable("Panorama…", bool(panorama.checked and panorama.checked(session)))[0]:
+            ui.operations.run(panorama.id, session)
+        tooltip("An .hdr or .exr file; or drop one on the window")
+        imgui.end_combo()
+    tooltip(f"Surroundings: {surroundings.label(session)}")
 
 
-def _control(settings: ParamBlock, param: Param, icon: str, width: float) -> None:
-    value: Any = getattr(settings, param.name)
+def _control(ui: Ui, param: Param, icon: str, width: float) -> None:
+    session = ui.session
+    value: Any = getattr(session.settings, param.name)
     if icon:
         changed = value != param.default
         if icon_button(
             f"{icon}##reset-{param.name}", f"{pretty(param.name)}: {param.doc}\nClick to reset", active=changed
         ):
-            setattr(settings, param.name, param.default)
+            _set(ui, param, param.default)
         imgui.same_line(0, 0)
     imgui.set_next_item_width(width)
+    if param.name == "tone_map":
+        _look(ui, param)
+        return
     if param.type == "enum":
         index = param.choices.index(value)
-        changed, index = imgui.combo(f"##{param.name}", index, [_choice(param, c) for c in param.choices])
+        changed, index = imgui.combo(f"##{param.name}", index, [pretty(choice) for choice in param.choices])
         if changed:
-            setattr(settings, param.name, param.choices[index])
+            _set(ui, param, param.choices[index])
     elif param.name == "environment_rotation":
         changed, new = filled_slider(f"##{param.name}", wrap_degrees(value), -180.0, 180.0, "%.0f°")
         if changed:
-            setattr(settings, param.name, float(new))
+            _set(ui, param, float(new))
     else:
         changed, new = imgui.drag_float(f"##{param.name}", value, 0.02, param.min, param.max, "%+.2f EV")
         if changed:
-            setattr(settings, param.name, min(max(float(new), param.min), param.max))
+            _set(ui, param, min(max(float(new), param.min), param.max))
     legend = VIEW_LEGENDS.get(value, "") if param.name == "view" else ""
-    tooltip(f"{pretty(param.name)}: {legend or param.doc}")
+    frame = session.image.frame
+    if param.name == "path" and frame is not None and hasattr(frame, "path"):
+        legend = f"{param.doc}\nNow: {pretty(frame.path.path)}, {frame.path.reason}"
+    unit = "\nRelative EV: one more is twice as bright; 0 shows what the scene says" if param.unit == "EV" else ""
+    tooltip(f"{pretty(param.name)}: {legend or param.doc}{unit}")
 
 
-def _choice(param: Param, choice: str) -> str:
+def _look(ui: Ui, param: Param) -> None:
+    """The curve to the display, and the looks that match other programs."""
+    session = ui.session
+    look, value = looks.current(session), str(getattr(session.settings, param.name))
+    shown = look.label if look is not None else f"{tone_map_name(value)}, changed"
+    if imgui.begin_combo("##tone_map", cut(shown, em(5.0))):
+        for candidate in looks.LOOKS:
+            if imgui.selectable(candidate.label, candidate is look)[0]:
+                ui.operations.run(f"look.{candidate.id}", session)
+            tooltip(candidate.doc)
+        imgui.separator_text("Curve alone")
+        for choice in param.choices:
+            if imgui.selectable(f"{tone_map_name(choice)}##curve-{choice}", choice == value)[0]:
+                _set(ui, param, choice)
+        imgui.end_combo()
+    tooltip(f"{shown}\n{param.doc}")
+
+
+def _set(ui: Ui, param: Param, value: Any) -> None:
+    """One entry of the history for each drag; debug views and paths are looked at, not edited."""
+    session = ui.session
+    if param.name in ("view", "path") or session.document is None:
+        setattr(session.settings, param.name, value)
+        return
+    session.edit("settings", param.name, (0,), ((value,),), gesture=f"strip-{param.name}", label=pretty(param.name))
+
+
+def tone_map_name(choice: str) -> str:
     names = {"agx": "AgX", "aces": "ACES", "neutral": "PBR Neutral", "none": "None", "scene": "Scene's own"}
     return names.get(choice, pretty(choice))
 

@@ -4,6 +4,8 @@
     sample_project.py    the same around a scene that code makes (atrium, poles)
     runtime.py           an opened scene: tables + residency + renderer + clips
     clip_deck.py         what poses it: clips, a timeline, or states; animation.py: an open *.animation.toml
+    object_materials.py  parameters of materials that are other on one object
+    rehearsal.py         programs of other paths and views, made while nothing else is to do
     posed.py             vertices as they are drawn, on the CPU
     headless.py          a runtime rendered into an array, no window
     feature_pixels.py    which features of shader variants never change a pixel of a scene

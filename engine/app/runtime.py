@@ -17,8 +17,10 @@ from engine.animation.sample import ClipPlayer
 from engine.app.animation import DRIVES, Animation, open_animation
 from engine.app.clip_deck import ClipDeck, Seers
 from engine.app.framing import AZIMUTH, ELEVATION, frame_points, scene_box, scene_points
+from engine.app.object_materials import ObjectMaterials
 from engine.app.picking import pick_hits, pick_node, view_ray
 from engine.app.project import shader_folders
+from engine.app.rehearsal import Rehearsal
 from engine.assets.clip import ClipAsset
 from engine.assets.clip_nodes import ClipNodes, clip_nodes
 from engine.assets.lanim import read_lanim
@@ -68,7 +70,9 @@ class Runtime:
         self.residency = Residency(self.device, effects, pixels=self._pixels)
         self.renderer = Renderer(self.device, self.residency, profile=self._profile)
         self.hot_reload = HotReload(self.residency, self.renderer)
+        self.rehearsal = Rehearsal(self)
         self.scene = Scene()
+        self.objects = ObjectMaterials(self.scene, self.residency)
         self.asset = SceneAsset("empty")
         self.path: Path | None = None
         self.node_rows: NDArray[np.int64] = np.zeros(0, np.int64)
@@ -91,12 +95,15 @@ class Runtime:
 
     # --- opening ---
 
-    def open(self, path: Path, *, baker: Baker | None = None, root: Path | None = None) -> None:
+    def open(
+        self, path: Path, *, baker: Baker | None = None, root: Path | None = None, base: Path | None = None
+    ) -> None:
         """Open a `*.scene.json`. Raises FormatError and leaves what was open as it is; missing parts are findings.
 
         `baker` gives the baked file of an environment image or sky (importers.opening has one). `root`: the folder of
-        the project that it belongs to, whose effects and shaders go before the built-in ones."""
-        asset = read_scene(path)
+        the project that it belongs to, whose effects and shaders go before the built-in ones. `base`: a file with
+        the scene as it once was, to be opened in its place and with its neighbours."""
+        asset = read_scene(base or path)
         self.load(asset, path.parent, path, baker=baker, shaders=shader_folders(root or path.parent))
 
     def load(
@@ -118,6 +125,8 @@ class Runtime:
         self.findings.items.extend(self.scene.findings)
         check_profiles(self.scene.lights.profiles, base, self.findings)
         self._add_instances(asset, base)
+        self.objects = ObjectMaterials(self.scene, self.residency)
+        self.objects.load(self.findings)
         for name in asset.clips:
             try:
                 clip = read_lanim(base / name)
@@ -423,6 +432,7 @@ class Runtime:
 
     def close(self) -> None:
         """Free everything on the device."""
+        self.rehearsal.release()
         self.renderer.release()
         self.residency.effects.release()
         self.residency.release()

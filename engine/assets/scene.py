@@ -7,6 +7,7 @@ candela (point, spot), lux (directional) or nit (rectangle, disk); colours scene
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 IDENTITY_ROTATION = (0.0, 0.0, 0.0, 1.0)
 
@@ -54,12 +55,14 @@ class LightAsset:
 class MeshRef:
     """`file` holds the mesh named `name` (its index decides where names repeat); one material path per slot.
 
-    An empty material path means the source named none: the default material."""
+    An empty material path means the source named none: the default material. `overrides`: by slot, parameters of the
+    material that are other on this object."""
 
     file: str
     index: int
     name: str = ""
     materials: list[str] = field(default_factory=list)
+    overrides: list[dict[str, Any]] = field(default_factory=list)
 
 
 @dataclass(slots=True)

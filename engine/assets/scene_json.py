@@ -29,6 +29,7 @@ from engine.assets.records import (
     mapping,
     number,
     optional,
+    plain_lists,
     string,
     string_map,
     vector,
@@ -43,7 +44,7 @@ from engine.assets.scene import (
     SceneAsset,
 )
 from engine.core.atomic import write_text
-from engine.core.errors import FormatError, Place
+from engine.core.errors import FormatError, InputError, Place
 from engine.core.findings import Findings
 
 SCHEMA = "lucarna.scene/1"
@@ -83,7 +84,33 @@ _LIGHT = Record(
         "casts_shadow": boolean,
     },
 )
-_MESH = Record(MeshRef, {"file": string, "index": integer(0), "name": string, "materials": items(string)})
+
+
+def _param_value(value: Any) -> Any:
+    """What a material's parameter may be: a number, a truth, a word, or 2 to 4 numbers."""
+    if isinstance(value, (bool, str)):
+        return value
+    if isinstance(value, list):
+        if not 2 <= len(value) <= 4:
+            raise Bad(f"{len(value)} numbers; a parameter has 2 to 4, or is one number")
+        return vector(len(value))(value)
+    return number()(value)
+
+
+def _overrides(value: Any) -> dict[str, Any]:
+    found = {}
+    for name, given in mapping(value).items():
+        try:
+            found[name] = _param_value(given)
+        except Bad as bad:
+            raise bad.under(name) from None
+    return found
+
+
+_MESH = Record(
+    MeshRef,
+    {"file": string, "index": integer(0), "name": string, "materials": items(string), "overrides": items(_overrides)},
+)
 _NODE = Record(
     NodeAsset,
     {
@@ -207,6 +234,26 @@ def format_scene(scene: SceneAsset, file: str = "") -> str:
         elif key != "nodes":
             lines.append(f"{json.dumps(key)}: {_dumps(data[key], Place(file, path=key))}")
     return "{\n" + ",\n".join(lines) + "\n}\n"
+
+
+#: what `check_field` knows, by the name that an editor's table has
+_RECORDS: dict[str, Record[Any]] = {"nodes": _NODE, "lights": _LIGHT, "cameras": _CAMERA, "environment": _ENVIRONMENT, "look": _LOOK}
+
+
+def check_field(kind: str, field: str, value: Any) -> None:
+    """Raise InputError where a scene file could not say that `field` of a node, light, camera, the environment or the
+    look is `value`. Kinds that no scene file has pass."""
+    record = _RECORDS.get(kind)
+    if record is None:
+        return
+    try:
+        if field not in record.checks:
+            raise Bad("is not known", hint=did_you_mean(field, record.checks))
+        record.checks[field](plain_lists(value))
+        if kind == "nodes" and field == "rotation" and not any(value):
+            raise Bad("has length zero", hint="0, 0, 0, 1 is no rotation")
+    except Bad as bad:
+        raise InputError(f"{field}: {bad.message}", hint=bad.hint) from None
 
 
 def check_scene(scene: SceneAsset) -> None:

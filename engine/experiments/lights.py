@@ -29,8 +29,9 @@ from engine.render.paths.cost import fit, save
 from engine.render.renderer import Renderer
 from engine.render.settings import RenderSettings
 from engine.render.view import View
+from engine.report.crossover import crossover
 from engine.report.metrics import max_error, rmse
-from engine.report.records import Point, Table
+from engine.report.records import Chart, ChartLine, ChartMark, ChartPoint, Point, Table
 from engine.resources.residency import Residency
 from engine.resources.samples import sample_scene
 from engine.scene.scene import Scene
@@ -45,11 +46,16 @@ MOST_VOLUMES = 16384
 HELD_WITHIN = 0.10
 #: beside the default: tile, test, depth
 WAYS = {
-    "tiles of 8": {"light_tile": "8"}, "tiles of 32": {"light_tile": "32"},
+    "tiles of 16": {"light_tile": "16"}, "tiles of 32": {"light_tile": "32"},
     "planes only": {"light_test": "planes", "light_depth": "range"}, "boxes": {"light_depth": "range"},
     "cones": {"light_test": "cone"}, "clusters": {"light_depth": "clusters"},
+    "clusters of 16": {"light_tile": "16", "light_depth": "clusters"},
 }  # fmt: skip
+#: of these, the ones that come near the default, by the other path with lists, too
+NEAR_WAYS = ("tiles of 16", "clusters", "clusters of 16")
 WAYS_AT = 1024
+#: pairs whose lines cross: N* is where the second becomes the cheaper one
+CROSSING = (("forward", "deferred"), ("deferred", "tiled-deferred"), ("deferred", "forward-plus"))
 #: the thesis's form of deferred lighting, an approximation: its error is not 0
 THREE_PASS = "deferred, three passes"
 
@@ -81,6 +87,7 @@ def knobs(ctx: Context) -> list[dict[str, Any]]:
         if not ctx.quick:
             same = {"scene": scene, "lights": WAYS_AT, "problem": f"{scene} {WAYS_AT}"}
             found += [{"method": f"forward-plus, {way}", **same} for way in WAYS]
+            found += [{"method": f"tiled-deferred, {way}", **same} for way in NEAR_WAYS]
             found.append({"method": THREE_PASS, **same})
     ctx.omit(f"forward above {MOST_FORWARD} lights, deferred above {MOST_VOLUMES}", "seconds a frame on two cores")
     return found
@@ -270,10 +277,9 @@ def _small_times(ctx: Context) -> list[tuple[str, int, int, float]]:
 def _findings(times: dict[tuple[str, str, int], float], scene: str, counts: list[int]) -> str:
     """What the thesis claims of the paths, as it came out here."""
     lines = []
-    for other in ("tiled-deferred", "forward-plus"):
-        faster = [n for n in counts if _both(times, scene, "deferred", other, n)]
-        first = next((n for n in faster if times[scene, other, n] < times[scene, "deferred", n]), None)
-        lines.append(f"{other} beats deferred from {first:,} lights on" if first else f"{other} never beats deferred")
+    for first, second in CROSSING:
+        at = _crossing(times, scene, first, second, counts)
+        lines.append(f"{second} beats {first} from N* = {at:.3g} lights on" if at else f"{second} never beats {first}")
     both = [n for n in counts if _both(times, scene, "forward-plus", "tiled-deferred", n)]
     wins = [n for n in both if times[scene, "forward-plus", n] < times[scene, "tiled-deferred", n]]
     lines.append(f"forward-plus is faster than tiled-deferred at {len(wins)} of {len(both)} counts")
@@ -287,6 +293,41 @@ def _findings(times: dict[tuple[str, str, int], float], scene: str, counts: list
             if classic and slope and slope > 0.0:
                 text += f" Up to {most:,}, deferred's slope is {classic / slope:.1f} times that of {path}."
     return text
+
+
+def _crossing(
+    times: dict[tuple[str, str, int], float], scene: str, first: str, second: str, counts: list[int]
+) -> float | None:
+    """N*: from so many lights on, `second` is the cheaper path."""
+    both = [n for n in counts if _both(times, scene, first, second, n)]
+    return crossover(both, [times[scene, first, n] for n in both], [times[scene, second, n] for n in both])
+
+
+def charts(ctx: Context, points: Sequence[Point]) -> Iterator[Chart]:
+    """For each scene the time of each path against the number of lights, and where they cross."""
+    width, height = size(ctx)
+    for scene in SAMPLES:
+        mine = [p for p in points if p.knobs["scene"] == scene and p.ms is not None]
+        lines = [
+            ChartLine(path, [
+                ChartPoint(float(p.knobs["lights"]), p.ms.median, p.ms.low, p.ms.high)
+                for p in sorted(mine, key=lambda p: int(p.knobs["lights"])) if p.knobs["method"] == path and p.ms
+            ])
+            for path in PATHS
+        ]  # fmt: skip
+        times = {(scene, line.name, int(p.x)): p.y for line in lines for p in line.points}
+        counts = sorted({key[2] for key in times})
+        marks = []
+        for first, second in CROSSING:
+            at = _crossing(times, scene, first, second, counts)
+            if at is not None and at > counts[0]:
+                shared = [n for n in counts if _both(times, scene, first, second, n)]
+                level = np.interp(np.log(at), np.log(shared), [np.log(times[scene, second, n]) for n in shared])
+                marks.append(ChartMark(at, float(np.exp(level)), f"{second} below {first}"))
+        yield Chart(
+            f"{scene}: a frame at {width}x{height} by the number of lights", "local lights", "median frame time (ms)",
+            lines, marks, "N*: from there on the second path stays the cheaper one. Down is better.",
+        )  # fmt: skip
 
 
 def _needs(found: dict[tuple[str, str, int], dict[str, Any]], scene: str) -> str:
@@ -335,6 +376,7 @@ EXPERIMENT = Experiment(
     patience=2.0,
     held_within=HELD_WITHIN,
     tables=tables,
+    charts=charts,
     time_label="median frame time",
     note="The error must be zero: only time differs. Forward is omitted where a frame takes seconds. The three-pass"
     " form gathers light apart from surfaces and is an approximation.",

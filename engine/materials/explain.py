@@ -47,6 +47,14 @@ def technique_rows(effect: Effect, caps: Caps | None = None) -> Iterator[dict[st
 
 def _rows(role: str, technique: Technique, why: str) -> Iterator[dict[str, object]]:
     for index, draw in enumerate(technique.passes):
+        if draw.compute:
+            yield {
+                "role": role, "level": technique.level, "pass": draw.name or index + 1, **draw.stages(),
+                "fills": [f"{slot} {form}" for slot, form in technique.outputs.items()],
+                "size": "{} x {}".format(*technique.size), "requires": list(technique.requires),
+                "defines": [f"{k}={v}" for k, v in draw.defines.items()], "chosen": why,
+            }  # fmt: skip
+            continue
         depth, raster = draw.depth, draw.raster
         states = ["no depth test"] * (not depth.test) + ["no depth write"] * (not depth.write)
         states += [f"depth {depth.compare}"] * (depth.compare != "gequal")

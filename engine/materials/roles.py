@@ -15,6 +15,8 @@ TARGETS: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "gbuffer": ("color", "gbuffer0", "gbuffer1", "gbuffer2"),
         "depth": (),
         "shadow": (),
+        "layer": ("shape", "light"),
+        "motion": ("motion",),
     }
 )
 
@@ -28,6 +30,8 @@ ABSENT: Mapping[str, str] = MappingProxyType(
         "gbuffer": "is drawn by its technique for forward, behind the lighting",
         "depth": "is not in the depth that is drawn first; all local lights are looked at for it",
         "shadow": "casts no shadow",
+        "layer": "sends no light to other surfaces, and reflections do not show it",
+        "motion": "is taken for standing still by what is gathered over frames",
     }
 )
 

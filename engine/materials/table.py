@@ -62,7 +62,9 @@ class MaterialTable:
 
         Raises InputError with all unknown names and bad values of the material.
         """
-        row = self._row(material, layers)
+        return self._append(self._row(material, layers))
+
+    def _append(self, row: Any) -> int:
         if self._count == len(self._data):
             grown = np.zeros(2 * len(self._data), self._data.dtype)
             grown[: self._count] = self._data
@@ -71,6 +73,20 @@ class MaterialTable:
         self._count += 1
         self._touch(self._count - 1)
         return self._count - 1
+
+    def copy(self, row: int) -> int:
+        """Add a row like another and return its index."""
+        self._check_row(row)
+        return self._append(self._data[row].copy())
+
+    def set_rows(self, rows: NDArray[np.intp], name: str, value: Any) -> None:
+        """As `set_param`, of many rows at once."""
+        if len(rows):
+            self._check_row(int(rows.min()))
+            self._check_row(int(rows.max()))
+            self._data[name][rows] = self._stored(self.effect.param(name), value)
+            self._touch(int(rows.min()))
+            self._touch(int(rows.max()))
 
     def replace(self, row: int, material: MaterialAsset, layers: Mapping[str, int]) -> None:
         """Put another material into a row; see `add`. On an error the row stays as it is."""
@@ -104,6 +120,13 @@ class MaterialTable:
         self._check_row(row)
         self._data[row][name] = self._stored(self.effect.param(name), value)
         self._touch(row)
+
+    def put_copy(self, source: int, target: int) -> None:
+        """Let a row be like another."""
+        self._check_row(source)
+        self._check_row(target)
+        self._data[target] = self._data[source]
+        self._touch(target)
 
     def put_layer(self, row: int, slot: str, layer: int) -> None:
         """Let a slot read another layer; nothing where it does."""

@@ -54,6 +54,21 @@ def D_Beckmann(n_dot_h: ArrayLike, alpha: ArrayLike) -> F8:
     return np.where(c > 0.0, value, 0.0)
 
 
+def sample_half(distribution: str, u: ArrayLike, alpha: ArrayLike) -> F8:
+    """Half vectors [..., 3] about +Z with density D (n.h) from `u` [..., 2] in [0, 1): `beckmann` (Walter et al. 2007,
+    eq. 28), `blinn_phong` (eq. 31), `ggx` (eq. 35)."""
+    uniform = np.asarray(u, np.float64)
+    a2 = np.asarray(alpha, np.float64) ** 2
+    if distribution == "beckmann":
+        cosine = 1.0 / np.sqrt(1.0 - a2 * np.log1p(-uniform[..., 0]))
+    elif distribution == "blinn_phong":
+        cosine = (1.0 - uniform[..., 0]) ** (1.0 / (exponent_of(np.sqrt(a2)) + 2.0))
+    else:
+        return ggx.sample_half(uniform, np.sqrt(a2))
+    sine, phi = np.sqrt(np.maximum(1.0 - cosine * cosine, 0.0)), 2.0 * math.pi * uniform[..., 1]
+    return np.stack([sine * np.cos(phi), sine * np.sin(phi), cosine], axis=-1)
+
+
 # --- Fresnel ---
 
 

@@ -23,7 +23,7 @@ from engine.materials.library import EffectLibrary
 from engine.materials.variant import VariantRequest
 
 #: sets of facts whose pipelines are remembered as warm
-REMEMBERED = 8
+REMEMBERED = 64
 
 
 class Enough(Exception):
@@ -112,6 +112,11 @@ class Ahead:
         self._since = now
         self._warm.add(key)
         return True
+
+    def forget_frame(self) -> None:
+        """What was drawn last was for nobody: the next frame begins by itself."""
+        self.skipping, self._warm_for = False, None
+        self.done = self.total = 0
 
     def whole(self) -> None:
         """A frame was finished with nothing left out."""

@@ -86,6 +86,11 @@ class DrawList:
         return any(state.transmissive for state in self._glass.states)
 
     @property
+    def solid(self) -> tuple[Template, list[tuple[int, int]]]:
+        """The commands of all that is opaque or alpha-tested, seen or not, and their runs of one state."""
+        return self._solid, self._solid_batches
+
+    @property
     def has_solid(self) -> bool:
         """Whether the scene has any opaque or alpha-tested surface, seen or not."""
         return len(self._solid.row_order) > 0
@@ -147,8 +152,12 @@ class DrawList:
         states: list[DrawState] = []
         shapes: list[tuple[int, int, int]] = []
         self._combos = [tuple(combo) for combo in combos.tolist()]
+        known: dict[tuple[int, int, int, int], DrawState] = {}
         for mesh, submesh, material, flags in self._combos:
-            states.append(self._state(mesh, submesh, self._residency.material(material), flags))
+            like = (mesh, submesh, self._residency.materials.base_of(material), flags)  # its variations differ in values
+            if like not in known:
+                known[like] = self._state(mesh, submesh, self._residency.material(material), flags)
+            states.append(known[like])
             info = self._residency.meshes[mesh]
             part = info.asset.submeshes[submesh]
             shapes.append((part.index_count, info.place.first_index + part.first_index, info.place.base_vertex))

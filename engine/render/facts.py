@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from engine.render.bloom import Bloom
+from engine.render.gi.choice import Indirect
 from engine.render.lighting import Lighting
 from engine.render.occlusion import Occlusion
 from engine.render.shadows.quality import FILTERS, ShadowQuality
@@ -35,15 +36,19 @@ class SceneFacts:
     quality: str = "auto"  # level of techniques: low, medium, high, or the highest that the device can do
     stencil: bool = False  # a technique of what is drawn tests or writes it
     ambient_occlusion: Occlusion = field(default_factory=Occlusion)
+    indirect: Indirect = field(default_factory=Indirect)  # light between surfaces, reflections
     local_shadows: int = 0  # width of the map of point and spot lights, texels; 0 where none casts
     bloom: Bloom = field(default_factory=Bloom)
     auto_exposure: bool = False
     fxaa: bool = False
+    taa: bool = False
+    motion: bool = False  # something is gathered over frames, and wants to know where it was (engine/render/motion)
+    moving: bool = False  # a thing that is seen moved since the frame before, and the above
 
     @property
     def depth_first(self) -> bool:
         """Whether depth is drawn before anything is shaded."""
-        return self.lighting.path == "forward-plus" or self.ambient_occlusion.wanted or self.force_all
+        return self.lighting.path == "forward-plus" or self.ambient_occlusion.wanted or self.indirect.wanted or self.force_all
 
     @property
     def depth_format(self) -> str:
@@ -54,11 +59,13 @@ class SceneFacts:
         from engine.render.settings import DEBUG_VIEWS
 
         return {
-            "ENVIRONMENT": int(self.environment or self.force_all),
+            "ENVIRONMENT": int(self.environment or self.indirect.wanted or self.force_all),
             "SUNS": int(self.suns or self.force_all),
             "SUN_SHADOWS": int(self.sun_shadows or self.force_all),
             "CASCADE_TINT": int(self.sun_shadows),  # a forced, empty map is no cascade to show
-            "AMBIENT_OCCLUSION": int(self.ambient_occlusion.wanted or self.force_all),
+            "AMBIENT_OCCLUSION": self.ambient_occlusion.shading or int(self.force_all),
+            "INDIRECT": int(self.indirect.wanted or self.force_all),
+            "REFLECTIONS": int(self.indirect.reflections or self.force_all),
             "LOCAL_LIGHTS": int(self.local_lights or self.force_all),
             "DEBUG_VIEW": DEBUG_VIEWS.index(self.debug_view),
             **self.light_defines(),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -10,14 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.framegraph.compiled import CompiledGraph
-from engine.gpu.types import Bindings, Buffer, Device, RenderPass, Sampler, Texture
+from engine.gpu.types import Bindings, Buffer, Device, Pipeline, RenderPass, Sampler, Texture
 from engine.render.draw_list import DrawList
-from engine.render.draw_states import Batch
+from engine.render.draw_states import Batch, DrawState
 from engine.render.exposure import ExposureState
 from engine.render.facts import SceneFacts
 from engine.render.legends import Legend
 from engine.render.light_lists import LightLists
 from engine.render.lighting import Choice
+from engine.render.motion.frame import FrameMotion
 from engine.render.programs import Programs
 from engine.render.shadows.local import LocalShadows
 from engine.render.shadows.sun import SunShadows
@@ -49,9 +50,22 @@ GBUFFER_UNIT = 17
 DEPTH_UNIT = 20
 SCENE_COLOR_UNIT = 24
 AMBIENT_UNIT = 25
+INDIRECT_UNIT = 28
+REFLECTION_UNIT = 29
 LOCAL_SHADOW_UNIT = 26
 BLOOM_UNIT = 26
 EXPOSURE_UNIT = 27
+
+
+@dataclass(frozen=True, slots=True)
+class OtherRole:
+    """A role that a pass draws by itself. `program`: the pipeline of (draw state, pass of the technique); `uniforms`:
+    its own blocks, by binding; `key`: what tells its pipelines from others of the same state."""
+
+    role: str
+    program: Callable[[DrawState, int], Pipeline]
+    uniforms: Mapping[int, Any]
+    key: Hashable
 
 
 @dataclass(slots=True)
@@ -79,6 +93,7 @@ class RenderFrame:
     shadow_rows: NDArray[np.void]
     exposure: ExposureState
     local_shadows: LocalShadows
+    motion: FrameMotion = field(default_factory=FrameMotion)
     look: Mapping[str, Any] = field(default_factory=dict)
     pass_buffers: dict[str, Buffer] = field(default_factory=dict)
     #: what lib/lights.glsl looks up, by unit (light_tables.py)
@@ -107,11 +122,18 @@ class RenderFrame:
             },
         )
 
+    def pass_bindings(
+        self, textures: Mapping[int, Any], uniforms: Mapping[int, Any], images: Mapping[int, Any]
+    ) -> Bindings:
+        """The view block and a compute pass's own inputs and outputs."""
+        return Bindings({VIEW_BINDING: self.view_buffer, **uniforms}, {}, dict(textures), dict(images))
+
     def draw_batches(
         self, render_pass: RenderPass, batches: list[Batch], samples: int, inputs: Mapping[int, Any] | None = None,
-        depth_only: bool = False,
+        depth_only: bool = False, other: OtherRole | None = None,
     ) -> None:  # fmt: skip
-        """Draw batches with their pipelines, arenas and materials: one multi-draw each. `inputs`: more textures."""
+        """Draw batches with their pipelines, arenas and materials: one multi-draw each. `inputs`: more textures.
+        `other`: the role of a pass with pipelines of its own."""
         for batch in batches:
             state = batch.state
             arena = self.residency.arenas[state.arena]
@@ -119,7 +141,7 @@ class RenderFrame:
             materials = self.residency.materials
             render_pass.set_bindings(
                 Bindings(
-                    uniforms={VIEW_BINDING: self.view_buffer},
+                    uniforms={VIEW_BINDING: self.view_buffer, **(other.uniforms if other else {})},
                     storage={
                         TRANSFORM_BINDING: self.transforms,
                         OBJECT_BINDING: self.draws.objects,
@@ -139,10 +161,13 @@ class RenderFrame:
                     },
                 )
             )
-            for index in range(self.programs.passes(state, self.facts, "depth" if depth_only else "")):
-                if not self.programs.ahead.wants((state, depth_only, index)):
+            role = "depth" if depth_only else (other.role if other else "")
+            for index in range(self.programs.passes(state, self.facts, role)):
+                if not self.programs.ahead.wants((state, other.key if other else depth_only, index)):
                     continue
-                if depth_only:
+                if other is not None:
+                    render_pass.set_pipeline(other.program(state, index))
+                elif depth_only:
                     render_pass.set_pipeline(self.programs.depth(state, arena, self.facts, index))
                 else:
                     render_pass.set_pipeline(self.programs.surface(state, arena, self.facts, samples, index))

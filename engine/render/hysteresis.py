@@ -22,7 +22,7 @@ from engine.render.facts import SceneFacts
 from engine.scene.scene import Scene
 
 #: facts that are neutral when on for nothing: a pass that draws no batch, a loop over no light
-NEUTRAL = ("opaque", "transparent", "suns", "local_lights")
+NEUTRAL = ("opaque", "transparent", "suns", "local_lights", "moving")
 #: frames without need after which a flickering fact goes off: half a second at 60 a second
 HOLD = 30
 #: views that are remembered, as many as the frame graph keeps compiled

@@ -22,7 +22,7 @@ class Lighting:
 
     path: str = "forward"
     gbuffer: int = 1
-    tile: int = 16
+    tile: int = 8
     test: str = "aabb"
     depth: str = "bins"
     three_pass: bool = False

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from engine.assets.scene import EnvironmentAsset
 from engine.render.bloom import level_weights
 from engine.render.facts import SceneFacts
+from engine.render.gi.state import IndirectState
 from engine.render.legends import Legend, depth_range, legend_of
 from engine.render.occlusion import radius_of
 from engine.render.settings import LIT_LOOK, ON_BLACK
@@ -24,6 +25,7 @@ class FrameLook:
 
     def __init__(self) -> None:
         self._ambient_radius: tuple[object, float] = ((), 1.0)
+        self._indirect = IndirectState()
 
     def of(
         self, scene: Scene, view: View, facts: SceneFacts, environment: EnvironmentAsset, visible: NDArray[np.bool_]
@@ -37,6 +39,7 @@ class FrameLook:
             "background_blur": max(environment.background_blur, settings.background_blur),
             "legend": _legend(scene, view, visible),
             **self._ambient(scene, view, facts),
+            "indirect": self._indirect.look(scene, view, facts),
             "bloom_weights": level_weights(settings.bloom_radius, view.width, view.height)
             if facts.bloom.wanted
             else (1.0, 0.0),
@@ -46,11 +49,16 @@ class FrameLook:
         """How far and how strongly things hide the surroundings."""
         settings = view.settings
         if not facts.ambient_occlusion.wanted or settings.ao_radius > 0.0:
-            return {"ambient_radius": settings.ao_radius or 1.0, "ambient_strength": settings.ao_strength}
+            return _reach(settings, settings.ao_radius or 1.0)
         key = (id(scene), scene.transform_rev, scene.instances.drawn_rev)
         if self._ambient_radius[0] != key:
             self._ambient_radius = (key, radius_of(settings, *scene.bounds()))
-        return {"ambient_radius": self._ambient_radius[1], "ambient_strength": settings.ao_strength}
+        return _reach(settings, self._ambient_radius[1])
+
+
+def _reach(settings: RenderSettings, radius: float) -> dict[str, float]:
+    thickness = radius * settings.ao_thickness
+    return {"ambient_radius": radius, "ambient_thickness": thickness, "ambient_strength": settings.ao_strength}
 
 
 def exposure_of(scene: Scene, view: View) -> float:

@@ -26,6 +26,23 @@ class MorphRows:
         #: mesh id -> (where its offsets begin, 1 normals + 2 tangents)
         self._meshes: dict[int, tuple[int, int]] = {}
         self._seen: tuple[object, ...] = ()
+        #: the table of objects and their weights, of now; never written over
+        self.rows: U4 = np.zeros(0, np.uint32)
+
+    @property
+    def offset_words(self) -> int:
+        """Words of offsets before `rows`; where they change, rows of before mean nothing any more."""
+        return len(self._offsets)
+
+    def put_before(self, rows: U4, objects: int) -> int:
+        """Have the rows of the frame before, of as many `objects`, behind those of now; returns how far behind the table
+        of now theirs is."""
+        shift = len(self.rows)
+        moved = rows.copy()
+        moved[:objects] += np.where(rows[:objects] > 0, shift, 0).astype(np.uint32)
+        both = np.concatenate([self.rows, moved])
+        self._write(both, False)
+        return shift
 
     def update(self, scene: Scene, *, everything: bool = False) -> None:
         """Bring both buffers up to date with the weights of now. `everything`: of those that never had one too."""
@@ -54,7 +71,8 @@ class MorphRows:
                 data.append(head)
                 at += len(head)
             data[0][instance] = heads[key]
-        self._write(np.concatenate(data), grown)
+        self.rows = np.concatenate(data)
+        self._write(self.rows, grown)
 
     def release(self) -> None:
         self.buffer.release()

@@ -23,14 +23,22 @@ RADIUS_PART = 0.03
 @dataclass(frozen=True, slots=True)
 class Occlusion:
     """`directions`: slices through a pixel; `steps`: places on each side of one (alchemy: in all); `stride`: 2 where
-    every second row and column is looked at. `why_not`: why it is not wanted."""
+    every second row and column is looked at. `bent`: also where the open part lies; `bounces`: what hides light sends on
+    what it receives. `why_not`: why it is not wanted."""
 
     method: str = "gtao"
     directions: int = 2
     steps: int = 8
     stride: int = 1
+    bent: bool = False
+    bounces: bool = False
     wanted: bool = False
     why_not: str = "ambient occlusion is off"
+
+    @property
+    def shading(self) -> int:
+        """What surfaces do with it, as their shaders know it: 0 nothing, 1 it dims; and 2 bent, 4 bounces."""
+        return int(self.wanted) * (1 + 2 * self.bent + 4 * self.bounces)
 
 
 def occlusion_of(settings: RenderSettings, *, lit: bool, solid: bool) -> Occlusion:
@@ -49,7 +57,10 @@ def occlusion_of(settings: RenderSettings, *, lit: bool, solid: bool) -> Occlusi
     )  # fmt: skip
     if why:
         return Occlusion(stride=1, why_not=why)
-    return Occlusion(method, int(settings.ao_directions), int(settings.ao_steps), stride, True, "")
+    # what gathers light from surfaces knows these bounces itself, and the view of the visibility is of that alone
+    bounces = bool(settings.ao_bounces) and settings.gi == "off" and not shown
+    bent = bool(settings.ao_bent) and method == "gtao" and not shown
+    return Occlusion(method, int(settings.ao_directions), int(settings.ao_steps), stride, bent, bounces, True, "")
 
 
 def radius_of(settings: RenderSettings, low: NDArray[np.float64], high: NDArray[np.float64]) -> float:

@@ -12,12 +12,23 @@ from engine.scene.scene import Scene
 
 
 class PaletteRows:
-    """`buffer`: three vec4 rows per joint; uploaded when a joint or the origin moved, never where there is no skin."""
+    """`buffer`: three vec4 rows per joint; uploaded when a joint or the origin moved, never where there is no skin.
+    Behind them, where something asked for it, those of the frame before. `rows` f4[joints,3,4]: never written over."""
 
     def __init__(self, device: Device) -> None:
         self._device = device
         self.buffer: Buffer = device.buffer(48, label="palettes")
+        self.rows: NDArray[np.float32] = np.zeros((0, 3, 4), np.float32)
         self._seen: tuple[object, ...] = ()
+
+    def put_before(self, rows: NDArray[np.float32]) -> int:
+        """Have the palettes of the frame before, as many, behind those of now; returns how many joints lie before."""
+        if self.buffer.size < 2 * self.rows.nbytes:
+            self.buffer.release()
+            self.buffer = self._device.buffer(2 * self.rows.nbytes, label="palettes")
+            self.buffer.write(self.rows)
+        self.buffer.write(rows, self.rows.nbytes)
+        return len(self.rows)
 
     def update(self, scene: Scene, origin: NDArray[np.float64]) -> None:
         skins = scene.skins
@@ -25,7 +36,7 @@ class PaletteRows:
         if len(skins) == 0 or seen == self._seen:
             return
         self._seen = seen
-        rows = skins.palette(origin)
+        rows = self.rows = skins.palette(origin)
         if self.buffer.size < rows.nbytes:
             self.buffer.release()
             self.buffer = self._device.buffer(rows.nbytes, label="palettes")

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
+import contextlib
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from engine.core.errors import ShaderError
@@ -55,6 +56,16 @@ class Programs(PassPrograms):
         """Let the pipelines of the passes go; the library owns those of surfaces."""
         self.forget()
         super().release()
+
+    @contextlib.contextmanager
+    def aside(self) -> Iterator[None]:
+        """While another renderer draws with these programs what nobody sees: the last frame's facts come back."""
+        facts = self._facts
+        try:
+            yield
+        finally:
+            self._facts = facts
+            self.ahead.forget_frame()
 
     # --- surfaces ---
 

@@ -47,14 +47,17 @@ class SceneRows:
         self.palettes.update(scene, origin)
         self.morphs.update(scene, everything=view.settings.force_all)
 
-    def look(self, scene: Scene, view: View) -> None:
-        """What the view sees, as batches."""
+    def look(self, scene: Scene, view: View, *, shifted: bool = False) -> None:
+        """What the view sees, as batches. `shifted`: by up to a pixel, so that a pixel more counts on each side."""
         rebuilt = self.draws.build(scene, everything=view.settings.force_all)
-        key = (id(scene), scene.transform_rev, scene.instances.drawn_rev, view.camera.key(), view.aspect)
+        key = (id(scene), scene.transform_rev, scene.instances.drawn_rev, view.camera.key(), view.aspect, shifted)
         if not rebuilt and key == self._visibility_key:
             return
         self._visibility_key = key
-        planes = planes_from_matrix(view.camera.clip_from_world(view.aspect))
+        clip = view.camera.clip_from_world(view.aspect)
+        if shifted:
+            clip = np.diag([view.width / (view.width + 2.0), view.height / (view.height + 2.0), 1.0, 1.0]) @ clip
+        planes = planes_from_matrix(clip)
         visible = visible_instances(scene, planes)
         pose = view.camera.world_from_camera
         self.draws.update(scene, visible, pose[:3, 3], -pose[:3, 2])

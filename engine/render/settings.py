@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from engine.core.param import ParamBlock, param
+from engine.render.gi import choice as gi_choice
 from engine.render.lighting import DEPTHS, PATH_CHOICES, TESTS, TILE_SIZES
 from engine.render.occlusion import METHOD_CHOICES
 from engine.render.shadows.quality import DEFAULT, FILTER_CHOICES, PRECISIONS
@@ -17,6 +18,7 @@ DEBUG_VIEWS = (
     # shaders/lib/skin_views.glsl
     "weights", "influences",
     "ambient_occlusion",
+    *gi_choice.VIEWS,
 )  # fmt: skip
 #: shown as the lit picture is, exposed and tone-mapped
 LIT_LOOK = ("lit", "lighting")
@@ -31,6 +33,11 @@ VIEW_LEGENDS = {
     "texel_density": "texels a metre, in cells of 16 texels; grey without a texture",
     "uv_checker": "red along u, green along v, white at the origin; eight cells a turn; grey without UVs",
     "ambient_occlusion": "how much of its surroundings a place sees: white all",
+    "indirect": "light that arrives from other surfaces",
+    "indirect_confidence": "how much of its surroundings a place can look up: white all",
+    "layer_color": "albedo of the second layer: the nearest surface behind what is seen",
+    "layer_depth": "how far the second layer is, bright near; black: there is none",
+    "reflections": "what mirrors would see of the picture itself; black where they see the environment",
     "weights": "a colour for each bone, mixed by its weight; grey without a skin",
     "influences": "joints that move a vertex: blue 1, green 2, yellow 3, red 4, violet more; grey without a skin",
     "light_tiles": "lights in each tile's list, by the ramp; white: more than fit, so all",
@@ -62,8 +69,17 @@ class RenderSettings(ParamBlock):
     )  # fmt: skip
     samples: int = param(4, min=1, max=8, doc="anti-aliasing samples a pixel (1, 2, 4, 8; limited by the device)")
     antialias: str = param(
-        "none", choices=("none", "fxaa"), doc="fxaa: smooths edges of the finished picture, with samples = 1"
-    )
+        "none", choices=("none", "fxaa", "taa"),
+        doc="with samples = 1. fxaa: smooths edges of the finished picture; taa: the mean of frames that look elsewhere"
+        " in each pixel",
+    )  # fmt: skip
+    taa_frames: int = param(16, min=1, max=64, doc="taa: places in a pixel that are looked at, one a frame")
+    taa_part: float = param(0.1, min=0.01, max=1.0, step=0.01, doc="taa: of a new frame in the mean while things move")
+    taa_spread: float = param(
+        1.0, min=0.0, max=8.0, step=0.05,
+        doc="taa: standard deviations of the colours around that older ones may lie off: less flickers, more drags",
+    )  # fmt: skip
+    taa_sharpness: float = param(0.0, min=0.0, max=2.0, step=0.05, doc="taa: how much edges are steepened")
     alpha_to_coverage: bool = param(True, doc="smooth edges of cut-outs, where a pixel has several samples")
     path: str = param(
         "auto", choices=PATH_CHOICES,
@@ -121,9 +137,47 @@ class RenderSettings(ParamBlock):
     )  # fmt: skip
     ao_radius: float = param(0.0, min=0.0, max=1e6, step=0.01, unit="m", doc="how far things hide; 0 = by the scene")
     ao_strength: float = param(1.0, min=0.0, max=1.0, step=0.01, doc="0 none, 1 as much as is hidden")
+    ao_thickness: float = param(
+        0.35, min=0.0, max=4.0, step=0.01, doc="how thick things are taken to be behind what is seen, in radii"
+    )
     ao_directions: int = param(2, min=1, max=16, doc="slices through each pixel (gtao, hbao)")
     ao_steps: int = param(8, min=1, max=64, doc="places on each side of a slice; alchemy: places in all")
+    ao_bent: bool = param(True, doc="take environment light from where it is open, not from the normal (gtao)")
+    ao_bounces: bool = param(True, doc="surfaces that hide light send on what they receive: bright corners stay bright")
     ao_half: bool = param(False, doc="look at every second row and column only")
+    gi: str = param(
+        "off", choices=gi_choice.CHOICES,
+        doc="light from surface to surface, as far as the picture and what lies behind it show it. one: light of lamps,"
+        " suns and what glows, reflected once; many: again and again",
+    )  # fmt: skip
+    gi_strength: float = param(1.0, min=0.0, max=1.0, step=0.01, doc="0 none, 1 all that arrives")
+    gi_bounces: int = param(4, min=2, max=16, doc="many, in a still picture; in motion each frame adds one")
+    gi_radius: float = param(
+        0.0, min=0.0, max=1e6, step=0.1, unit="m", doc="how far light is gathered from; 0 = by the scene"
+    )
+    gi_method: str = param(
+        "slices", choices=gi_choice.METHODS,
+        doc="slices: what is nearer hides what is farther; spiral: the mean of what is in front, with nothing in between",
+    )  # fmt: skip
+    gi_directions: int = param(2, min=1, max=16, doc="slices through each pixel")
+    gi_steps: int = param(8, min=1, max=64, doc="places on each side of a slice; spiral: places in all")
+    gi_half: bool = param(False, doc="layers of half the width and height")
+    gi_layers: int = param(2, min=1, max=2, doc="1: what is seen; 2: and the nearest surface behind it")
+    gi_separation: float = param(
+        0.0, min=0.0, max=1e6, step=0.01, unit="m",
+        doc="between the layers at least, and how thick a surface is taken to be; 0 = by the scene",
+    )  # fmt: skip
+    gi_boost: float = param(1.0, min=0.0, max=4.0, step=0.05, doc="many: of what surfaces reflect again, 0.95 at most")
+    gi_unseen: str = param(
+        "environment", choices=gi_choice.UNSEEN,
+        doc="what comes from where the picture shows nothing: the environment's light, or as from what is seen (rooms)",
+    )  # fmt: skip
+    gi_smooth: bool = param(True, doc="mixes with the frames before, where pictures follow one another")
+    reflections: bool = param(False, doc="smooth surfaces mirror what the picture and the layer behind it show")
+    reflection_distance: float = param(
+        0.0, min=0.0, max=1e6, step=0.1, unit="m", doc="how far they see; 0 = by the scene"
+    )
+    reflection_steps: int = param(32, min=4, max=256, doc="places along a mirrored ray")
     auto_exposure: bool = param(
         False, doc="brighten or darken by what is seen, in the place of the scene's exposure; `exposure` is added"
     )

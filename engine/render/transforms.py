@@ -23,7 +23,8 @@ def origin_near(position: NDArray[np.float64], znear: float) -> NDArray[np.float
 
 
 class TransformRows:
-    """`buffer`: three vec4 rows (a row-major 3x4 affine) per node, storage buffer."""
+    """`buffer`: three vec4 rows (a row-major 3x4 affine) per node, storage buffer; behind them, where something asked
+    for it, as many of the frame before (`put_before`)."""
 
     def __init__(self, device: Device) -> None:
         self._device = device
@@ -31,6 +32,23 @@ class TransformRows:
         self.origin: NDArray[np.float64] = np.full(3, np.nan)
         self._rows = np.zeros((0, 3, 4), np.float32)
         self._rev = -1
+        #: rises when a row changed
+        self.changes = 0
+
+    @property
+    def rows(self) -> NDArray[np.float32]:
+        """f4[n,3,4] of now; written over by the next update."""
+        return self._rows
+
+    def put_before(self, rows: NDArray[np.float32]) -> int:
+        """Have the rows of the frame before, f4[n,3,4], behind those of now; returns how many nodes lie before them."""
+        count = len(self._rows)
+        if self.buffer.size < 2 * count * 48:
+            self.buffer.release()
+            self.buffer = self._device.buffer(2 * count * 48, label="transforms")
+            self.buffer.write(self._rows)
+        self.buffer.write(rows, count * 48)
+        return count
 
     def update(self, scene: Scene, origin: NDArray[np.float64], changed: NDArray[np.intp] | None) -> None:
         """Bring the buffer up to date. `changed`: node rows whose world moved since the last call, None = all."""
@@ -53,6 +71,7 @@ class TransformRows:
             return
         else:
             first, last = int(changed.min()), int(changed.max()) + 1
+        self.changes += 1
         rows = self._rows[first:last]
         with np.errstate(over="ignore", invalid="ignore"):  # beyond float32 is infinitely far: culled, not drawn
             rows[...] = world[first:last]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from dataclasses import dataclass, field
 
 from engine.render.camera import Camera
@@ -11,13 +12,16 @@ from engine.render.settings import RenderSettings
 @dataclass(slots=True)
 class View:
     """`width`, `height` in pixels, at least 1. `seconds`: since the picture before, for what takes time to adapt; None:
-    it has had all the time it needs, so that a picture depends on nothing but the scene."""
+    it has had all the time it needs, so that a picture depends on nothing but the scene. `key` tells the views of one
+    renderer apart: each has its own frame before (engine/render/motion). `cut`: that one tells nothing about this one."""
 
     camera: Camera
     width: int
     height: int
     settings: RenderSettings = field(default_factory=RenderSettings)
     seconds: float | None = None
+    key: Hashable = ""
+    cut: bool = False
 
     @property
     def aspect(self) -> float:

@@ -50,14 +50,20 @@ VIEW_LAYOUT = layout(
 def fill_view_block(
     view: View, origin: NDArray[np.float64], irradiance_sh: NDArray[np.float32], environment_mips: int,
     environment_intensity: float, environment_rotation: float, lights: LightRows,
+    jitter: tuple[float, float] = (0.0, 0.0),
 ) -> NDArray[np.void]:  # fmt: skip
-    """One row of VIEW_LAYOUT. `environment_rotation` in radians."""
+    """One row of VIEW_LAYOUT. `environment_rotation` in radians; `jitter`: pixels that the picture is shifted right and
+    down by."""
     camera = view.camera
     world_from_camera = camera.world_from_camera
     origin_from_camera = world_from_camera.copy()
     origin_from_camera[:3, 3] -= origin
     view_from_origin = np.linalg.inv(origin_from_camera)
-    clip_from_view = camera.clip_from_view(view.aspect)
+    # what is shifted is seen where the pixel less the shift would see it
+    shift = np.array([2.0 * jitter[0] / view.width, -2.0 * jitter[1] / view.height])
+    moved = np.eye(4)
+    moved[:2, 3] = shift
+    clip_from_view = moved @ camera.clip_from_view(view.aspect)
     row = np.zeros((), VIEW_LAYOUT.dtype)
     row["clip_from_origin"] = (clip_from_view @ view_from_origin).T
     row["view_from_origin"] = view_from_origin.T
@@ -79,6 +85,10 @@ def fill_view_block(
     row["suns"] = lights.suns.reshape(-1, 4)
     row["counts"] = (lights.count, lights.sun_count, 0, 0)
     _fill_place(row, camera, origin_from_camera, view.aspect)
+    if jitter != (0.0, 0.0):
+        row["ray_center"] -= shift[0] * row["ray_right"] + shift[1] * row["ray_up"]
+        place = "place_base" if camera.ymag > 0.0 else "place_z"
+        row[place] -= shift[0] * row["place_x"] + shift[1] * row["place_y"]
     return row
 
 

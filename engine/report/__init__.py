@@ -10,7 +10,7 @@ number_check  what the check of a frame's numbers found: NaN and infinities, pas
 
 interleave, interval, front, order      ─> records    Report: experiments, points, floors, orders, omissions
     runs in turns, bootstrap, Pareto,         │
-    slopes                                    ├─> writing, page/  report.html and report.json
+    slopes, crossover                         ├─> writing, page/  report.html and report.json
                                               ├─> compare         two report.json
                                               └─> advice          which setting to take, what another costs and gives
 """

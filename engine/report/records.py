@@ -112,6 +112,45 @@ class Table:
     note: str = ""
 
 
+@dataclass(frozen=True, slots=True)
+class ChartPoint:
+    """A median `y` at a size `x`, with its quartiles. All above 0."""
+
+    x: float
+    y: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, slots=True)
+class ChartLine:
+    """A method: its cost by size, ascending."""
+
+    name: str
+    points: list[ChartPoint]
+
+
+@dataclass(frozen=True, slots=True)
+class ChartMark:
+    """A size worth a word: where two lines cross."""
+
+    x: float
+    y: float
+    text: str
+
+
+@dataclass(slots=True)
+class Chart:
+    """What methods cost as a problem grows. On the page only: its numbers are those of the points."""
+
+    title: str
+    x_label: str
+    y_label: str
+    lines: list[ChartLine]
+    marks: list[ChartMark] = field(default_factory=list)
+    note: str = ""
+
+
 @dataclass(slots=True)
 class Picture:
     """u1[h,w,3], sRGB, with what it shows. On the page only."""
@@ -142,6 +181,7 @@ class Result:
     omitted: list[Omission] = field(default_factory=list)
     extremes: list[Extreme] = field(default_factory=list)
     tables: list[Table] = field(default_factory=list)
+    charts: list[Chart] = field(default_factory=list)
     pictures: list[list[Picture]] = field(default_factory=list)
     step_label: str = ""
     profile_label: str = ""

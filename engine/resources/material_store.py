@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.assets.material import SAMPLING, MaterialAsset, TextureRef
+from engine.core.errors import UsageError
 from engine.gpu.types import Buffer, Device, Sampler, SamplerDesc, Texture
 from engine.materials.effect import Effect, texture_unit
 from engine.materials.fit import Complaint, fitted
@@ -30,7 +31,8 @@ class MaterialRecord:
     """What the renderer needs to know of a material. `row`: its row in the effect's table.
 
     `folder`: what its texture paths are relative to. `asset`: what the effect takes of it. `whole`: all that the
-    material says, where the effect does not take all."""
+    material says, where the effect does not take all. `base`: the material that this is a variation of, with the
+    parameters `overrides`; -1: it stands by itself."""
 
     asset: MaterialAsset
     effect: Effect
@@ -39,6 +41,8 @@ class MaterialRecord:
     path: str = ""
     folder: Path = Path()
     whole: MaterialAsset | None = None
+    base: int = -1
+    overrides: dict[str, Any] = field(default_factory=dict)
 
     @property
     def said(self) -> MaterialAsset:
@@ -68,6 +72,8 @@ class MaterialStore:
     _group_list: list[GroupKey] = field(default_factory=list)
     _samplers: list[SamplerDesc] = field(default_factory=list)
     _sampler_ids: dict[SamplerDesc, int] = field(default_factory=dict)
+    #: material -> its variations
+    _derived: dict[int, list[int]] = field(default_factory=dict)
 
     def add(
         self, asset: MaterialAsset, effect: Effect, textures: Mapping[str, PooledTexture], path: str = "",
@@ -93,6 +99,53 @@ class MaterialStore:
         record.asset, record.effect, record.whole = asset, effect, whole
         record.group = self._group(asset, effect, textures)
         self.structure_rev += 1
+        self._follow(material)
+
+    def derive(self, base: int, overrides: Mapping[str, Any]) -> int:
+        """A material that is `base` (no variation itself) in all but these parameters, drawn in one batch with it;
+        returns its id. What changes of `base` changes here too. Raises UsageError as `set_param`."""
+        record = self.records[base]
+        checked = _checked(record.effect, overrides)
+        row = self._effects[record.effect.name].table.copy(record.row)
+        self.records.append(replace(record, row=row, path="", asset=_varied(record.asset, {}), base=base, overrides={}))
+        made = len(self.records) - 1
+        self._derived.setdefault(base, []).append(made)
+        self.override(made, checked)
+        self.structure_rev += 1
+        return made
+
+    def override(self, material: int, overrides: Mapping[str, Any]) -> None:
+        """Let a variation have other parameters of its own. Raises UsageError; then nothing is changed."""
+        record, base = self.records[material], self.records[self.records[material].base]
+        checked = _checked(record.effect, overrides)
+        table = self._effects[record.effect.name].table
+        for name in record.overrides.keys() - checked.keys() & record.effect.param_by_name.keys():
+            table.set_param(record.row, name, self.get_param(record.base, name))
+        for name, value in checked.items():
+            table.set_param(record.row, name, value)
+        record.overrides = checked
+        record.asset = _varied(base.asset, checked)
+
+    def base_of(self, material: int) -> int:
+        """The material that a variation is one of; itself for any other."""
+        base = self.records[material].base
+        return material if base < 0 else base
+
+    def _follow(self, base: int) -> None:
+        """The variations of a material take over what is new in it, and what its effect knows of their own."""
+        record = self.records[base]
+        table = self._effects[record.effect.name].table
+        for number in self._derived.get(base, ()):
+            mine = self.records[number]
+            mine.row = table.copy(record.row) if mine.effect.name != record.effect.name else mine.row
+            table.put_copy(record.row, mine.row)
+            mine.effect, mine.group, mine.whole = record.effect, record.group, None
+            taken = {}
+            for name, value in mine.overrides.items():
+                if name in record.effect.param_by_name and _fits(record.effect, name, value):
+                    taken[name] = value
+                    table.set_param(mine.row, name, value)
+            mine.asset = _varied(record.asset, taken)
 
     def adopt(
         self, effect: Effect, textures: Callable[[MaterialAsset, Path], Mapping[str, PooledTexture]]
@@ -107,7 +160,7 @@ class MaterialStore:
         rows.effect, rows.table = effect, rows.table.migrate(effect)
         told: list[tuple[MaterialRecord, list[Complaint]]] = []
         for record in self.records:
-            if record.effect.name == effect.name:
+            if record.effect.name == effect.name and record.base < 0:
                 whole = record.said
                 asset, complaints = fitted(effect, whole)
                 if complaints:
@@ -117,6 +170,9 @@ class MaterialStore:
                 record.asset, record.effect = asset, effect
                 record.whole = whole if complaints else None
                 record.group = self._group(asset, effect, slots)
+        for base in self._derived:
+            if self.records[base].effect is effect:
+                self._follow(base)
         return told
 
     def _rows(self, effect: Effect) -> _EffectRows:
@@ -142,6 +198,13 @@ class MaterialStore:
         record.asset.params[name] = value
         if record.whole is not None:
             record.whole.params[name] = value
+        followers = [
+            r for r in map(self.records.__getitem__, self._derived.get(material, ())) if name not in r.overrides
+        ]
+        for follower in followers:
+            follower.asset.params[name] = value
+        rows = np.array([follower.row for follower in followers], np.intp)
+        self._effects[record.effect.name].table.set_rows(rows, name, value)
 
     def put_layer(self, material: int, slot: str, layer: int) -> None:
         """Let a slot read another layer of its array."""
@@ -219,6 +282,23 @@ class MaterialStore:
             self._sampler_ids[desc] = len(self._samplers)
             self._samplers.append(desc)
         return self._sampler_ids[desc]
+
+
+def _checked(effect: Effect, values: Mapping[str, Any]) -> dict[str, Any]:
+    """Raises UsageError for a parameter that the effect has not, or a value that is none."""
+    return {name: effect.param(name).check(value) for name, value in values.items()}
+
+
+def _fits(effect: Effect, name: str, value: Any) -> bool:
+    try:
+        effect.param(name).check(value)
+    except UsageError:
+        return False
+    return True
+
+
+def _varied(asset: MaterialAsset, overrides: Mapping[str, Any]) -> MaterialAsset:
+    return replace(asset, params={**asset.params, **overrides})
 
 
 def _layers(textures: Mapping[str, PooledTexture]) -> dict[str, int]:

@@ -1,7 +1,7 @@
 """ProceduralTextures: texture slots that an effect fills itself, by the compute stages of its technique `texture`.
 
     slot without a file, computed by the effect ──► pooled(): an array of the pool, 1 x 1 until something draws with it
-    update(): materials that are drawn ──► a layer each ──► pipelines, size or a parameter that the shader names changed?
+    update(): materials that are drawn ──► a layer each ──► pipelines, size or a parameter that they name changed?
               no: nothing at all          yes: one dispatch a pass, then one a mip
 
 Layers stay with their material. What never compiled shows magenta; after a bad edit the last good pipeline goes on.

@@ -96,7 +96,7 @@ class Residency:
         #: the texture files that materials read
         self.textures = TextureFiles(self.pool, self.findings)
         #: texture slots that effects fill themselves
-        self.procedural = ProceduralTextures(device, self.pool, effects, self.findings)
+        self.procedural = ProceduralTextures(device, self.pool, self.effects, self.findings)
         self._defaults: dict[str, PooledTexture] = {}
         self._default_material = -1
 

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from engine.core.errors import UsageError
+from importers.cli.object_settings import PREFIX, set_objects
 from importers.cli.render_camera import add_camera_arguments, free_camera
 from importers.cli.render_sequence import (
     add_sequence_arguments,
@@ -55,8 +56,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="how local lights reach surfaces, all with one picture (default auto: the cheapest; --explain says why)",
     )  # fmt: skip
     parser.add_argument(
-        "--set", dest="settings", action="append", default=[], metavar="NAME=VALUE", help="set any render setting"
-    )
+        "--set", dest="settings", action="append", default=[], metavar="NAME=VALUE",
+        help="set any render setting, or objects.NODE.PARAMETER: of a material, on the objects of that name alone",
+    )  # fmt: skip
     parser.add_argument("--force-all", action="store_true", help="leave nothing out (the picture must be the same)")
     parser.add_argument(
         "--check-numbers", action="store_true", help="say which pass made the first NaN or infinity, and where; exit 1"
@@ -70,7 +72,7 @@ def run(args: argparse.Namespace) -> int:
     width, height = parse_size(args.size)
     check_arguments(args)
     start = time.perf_counter()
-    settings = _render_settings(args)
+    settings = render_settings(args)
 
     from engine.app.runtime import Runtime
     from engine.gpu import open_device
@@ -83,6 +85,7 @@ def run(args: argparse.Namespace) -> int:
     try:
         findings = open_path(runtime, args.scene, settings=ImportSettings(quality=args.preset))
         _apply_environment(runtime, args.environment)
+        set_objects(runtime, args.settings)
         play_clips(runtime, args.clip)
         play_animation(runtime, args)
         runtime.update(args.time)
@@ -90,11 +93,11 @@ def run(args: argparse.Namespace) -> int:
         plan = sequence(args, runtime.duration)
         write = partial(_write, legend=not args.no_legend)
         if plan is None:
-            view = View(_camera(runtime, args, width / height), width, height, settings)
+            view = View(scene_camera(runtime, args, width / height), width, height, settings)
             frame = write(runtime, view, args.out)
         else:
             frame = write_sequence(
-                runtime, args, plan, settings, (width, height), partial(_camera, runtime, args), write
+                runtime, args, plan, settings, (width, height), partial(scene_camera, runtime, args), write
             )
         renderer = runtime.renderer
         noted = (*findings, *renderer.environments.findings, *renderer.skin_findings, *renderer.light_findings)
@@ -129,7 +132,8 @@ def parse_size(text: str) -> tuple[int, int]:
     return int(parts[0]), int(parts[1])
 
 
-def _render_settings(args: argparse.Namespace) -> RenderSettings:
+def render_settings(args: argparse.Namespace) -> RenderSettings:
+    """The settings that the arguments give. Raises UsageError."""
     from engine.render.settings import RenderSettings
 
     values: dict[str, Any] = {}
@@ -137,6 +141,8 @@ def _render_settings(args: argparse.Namespace) -> RenderSettings:
         name, separator, value = item.partition("=")
         if not separator:
             raise UsageError(f"--set {item!r}: expected NAME=VALUE")
+        if name.strip().startswith(PREFIX):
+            continue  # of the scene, which is not open yet
         values[name.strip()] = value.strip()
     for name in ("exposure", "tone_map", "view", "path"):
         if getattr(args, name) is not None:
@@ -148,7 +154,8 @@ def _render_settings(args: argparse.Namespace) -> RenderSettings:
     return RenderSettings(**values)
 
 
-def _camera(runtime: Runtime, args: argparse.Namespace, aspect: float) -> Camera:
+def scene_camera(runtime: Runtime, args: argparse.Namespace, aspect: float) -> Camera:
+    """The camera that the arguments ask for. Raises UsageError."""
     from engine.render.camera import Camera
 
     free = free_camera(args)

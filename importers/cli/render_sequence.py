@@ -168,7 +168,7 @@ def write_sequence(
     frame: Frame | None = None
     progress = Progress(len(plan.times))
     if args.out.suffix.lower() in VIDEOS:
-        with _Video(args.out, plan.fps, size) as video:
+        with Video(args.out, plan.fps, size) as video:
             for view in views():
                 image, frame = render_image(runtime, view)
                 video.add(image[:, :, :3])
@@ -285,7 +285,7 @@ class Progress:
         return f"{self.done}/{self.count}  {100 * self.done // self.count} %{rest}"
 
 
-class _Video:
+class Video:
     """An .mp4 or .webm that appears when it is whole. Raises UsageError where the encoder is not installed."""
 
     def __init__(self, path: Path, fps: float, size: tuple[int, int]) -> None:
@@ -307,7 +307,7 @@ class _Video:
             "-f", kind[1:],
         ]  # fmt: skip
 
-    def __enter__(self) -> _Video:
+    def __enter__(self) -> Video:
         self._stack = contextlib.ExitStack()
         temporary = self._stack.enter_context(atomic_path(self._path))
         self._errors = self._stack.enter_context(tempfile.TemporaryFile())

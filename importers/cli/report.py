@@ -77,6 +77,11 @@ def _list(chosen: dict[str, Experiment], *, as_json: bool) -> int:
     width = max(map(len, chosen), default=0)
     for name, experiment in chosen.items():
         print(f"{name:<{width}}  {experiment.title}{'  (takes --scene)' if experiment.own_scene else ''}")
+    from engine.experiments.harness.registry import GROUPS
+
+    for group, members in GROUPS.items():
+        if set(members) <= set(chosen):
+            print(f"{group:<{width}}  all of {', '.join(members)}")
     print("\n`lucarna report NAME… --out DIR` measures; without names, all of them.")
     return 0
 

@@ -1,14 +1,18 @@
 // The standard surface: gathers the material, then adds emission, environment and punctual light (glTF 2.0, appendix B).
+// what is seen through has other surroundings than the depth knows
+#define AMBIENT_VISIBILITY (AMBIENT_OCCLUSION && !BLENDED)
 #include "lib/environment.glsl"
 #include "lib/lights.glsl"
 #include "lib/view.glsl"
 #if SUN_SHADOWS
 #include "lib/shadows.glsl"
 #endif
-// what is seen through has other surroundings than the depth knows
-#define AMBIENT_VISIBILITY (AMBIENT_OCCLUSION && !BLENDED)
 #if AMBIENT_VISIBILITY
 #include "lib/ambient_occlusion.glsl"
+#endif
+#define INDIRECT_LIGHT (INDIRECT && !BLENDED)
+#if INDIRECT_LIGHT
+#include "lib/indirect.glsl"
 #endif
 #ifdef ALPHA_TO_COVERAGE
 #include "lib/alpha_coverage.glsl"
@@ -20,7 +24,7 @@ layout(location = 9) in vec3 v_skin;
 #include "lib/debug_views.glsl"
 // views of what a G-buffer holds
 #define GBUFFER_VIEW (DEBUG_VIEW >= 9 && DEBUG_VIEW <= 12)
-#if LOCAL_LIGHTS || GBUFFER || GBUFFER_VIEW
+#if LOCAL_LIGHTS || GBUFFER || GBUFFER_VIEW || defined DEEP_LAYER
 #include "lib/gbuffer.glsl"
 #endif
 #if LOCAL_LIGHTS
@@ -46,7 +50,9 @@ layout(location = 6) in vec4 v_color;
 layout(location = 10) flat in float v_scale;
 #endif
 
+#ifndef DEEP_LAYER
 layout(location = 0) out vec4 o_color;
+#endif
 #if GBUFFER
 layout(location = 1) out uvec2 o_gbuffer0;
 #if GBUFFER_LAYOUT == 0
@@ -123,8 +129,24 @@ Surface gather(MaterialParams m)
     s.occlusion = mix(1.0, sample_occlusion_map(m, uv0, uv1).r, m.occlusion_strength);
 #endif
 
+#if INDIRECT_LIGHT
+    // both tell of the same surroundings: the darker holds
+    vec4 indirect = indirect_light(gl_FragCoord.xy);
+    gathered_light = indirect.rgb * s.occlusion;
 #if AMBIENT_VISIBILITY
+    s.occlusion *= min(ambient_visibility(gl_FragCoord.xy), indirect.a);
+#else
+    s.occlusion *= indirect.a;
+#endif
+#if REFLECTIONS
+    mirrored_light = reflected_light(gl_FragCoord.xy);
+#endif
+#elif AMBIENT_VISIBILITY
     s.occlusion *= ambient_visibility(gl_FragCoord.xy);
+#endif
+
+#if OPEN_DIRECTION
+    open_offset = open_offset_at(gl_FragCoord.xy);
 #endif
 
     s.emission = m.emissive * m.emissive_strength;
@@ -270,6 +292,9 @@ vec4 surface_view(MaterialParams m)
 }
 #endif
 
+#ifdef DEEP_LAYER
+#include "lib/deep_layer.glsl"
+#else
 void main()
 {
     MaterialParams m = materials[v_material];
@@ -324,6 +349,17 @@ void main()
 #if AMBIENT_VISIBILITY
     color = vec3(ambient_visibility(gl_FragCoord.xy));
 #endif
+#elif DEBUG_VIEW >= 22 && DEBUG_VIEW <= 25
+    color = vec3(0.0);
+#if INDIRECT_LIGHT
+    color = indirect_light(gl_FragCoord.xy).rgb;
+#endif
+#elif DEBUG_VIEW == 26
+    color = vec3(0.0);
+#if INDIRECT_LIGHT && REFLECTIONS
+    vec4 mirrored = reflected_light(gl_FragCoord.xy);
+    color = mirrored.rgb * mirrored.a;
+#endif
 #elif VIEW_OF_SKIN
     color = v_skin * (0.6 + 0.4 * sat(s.normal.y * 0.5 + 0.5));
 #elif VIEW_OF_SURFACE
@@ -359,3 +395,4 @@ void main()
 #endif
 #endif
 }
+#endif

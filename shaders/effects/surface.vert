@@ -52,6 +52,9 @@ layout(location = 5) out vec2 v_uv1;
 #if VERTEX_COLOR
 layout(location = 6) out vec4 v_color;
 #endif
+#ifdef MOTION
+layout(location = 11) out vec4 v_before;  // clip space of the frame before
+#endif
 #ifdef NODE_SCALE
 layout(location = 10) flat out float v_scale;  // of lengths in the mesh's own units
 #endif
@@ -97,6 +100,25 @@ void main()
     vec4 p = vec4(position, 1.0);
     v_position = vec3(dot(r0, p), dot(r1, p), dot(r2, p));
     gl_Position = view.clip_from_origin * vec4(v_position, 1.0);
+#ifdef MOTION
+    // rows of the frame before lie behind those of now
+#if SKINNING
+    vec4 b0, b1, b2;
+    skin_rows(object.w + motion.joints, b0, b1, b2);
+#else
+    uint row = 3u * (object.x + motion.nodes);
+    vec4 b0 = transforms[row];
+    vec4 b1 = transforms[row + 1u];
+    vec4 b2 = transforms[row + 2u];
+#endif
+    vec4 before = vec4(a_position, 1.0);
+#if MORPH
+    vec3 no_normal = vec3(0.0);
+    vec3 no_tangent = vec3(0.0);
+    morph(a_object + motion.morphs, before.xyz, no_normal, no_tangent);
+#endif
+    v_before = motion.clip_before * vec4(dot(b0, before), dot(b1, before), dot(b2, before), 1.0);
+#endif
 
 #ifdef NODE_SCALE
     v_scale = (length(r0.xyz) + length(r1.xyz) + length(r2.xyz)) * (1.0 / 3.0);

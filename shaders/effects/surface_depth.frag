@@ -1,4 +1,10 @@
-// Depth only: cuts away what the surface's alpha test cuts. Opaque casters have no work here.
+// Depth only: cuts away what the surface's alpha test cuts. Opaque casters have no work here. MOTION: and how far the
+// surface is from where it was, in pixels.
+#ifdef MOTION
+#include "lib/motion.glsl"
+layout(location = 11) in vec4 v_before;
+layout(location = 0) out vec2 o_motion;
+#endif
 
 #if ALPHA_TEST
 #ifdef ALPHA_TO_COVERAGE
@@ -42,5 +48,9 @@ void main()
 #else
     if (alpha < m.alpha_cutoff) discard;
 #endif
+#endif
+#ifdef MOTION
+    vec2 pixel = gl_FragCoord.xy - motion.jitter;
+    o_motion = pixels_moved(vec2(pixel.x * 2.0 * view.size.z - 1.0, 1.0 - pixel.y * 2.0 * view.size.w), v_before);
 #endif
 }

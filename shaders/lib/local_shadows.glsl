@@ -49,12 +49,16 @@ float local_visibility(uint i, vec3 p, vec3 n, uvec2 pixel)
     vec2 low = vec2(right.w, up.w) - (square.x - 0.5 * square.w);
     vec2 high = vec2(right.w, up.w) + (square.x - 0.5 * square.w);
 #if SHADOW_FILTER >= 2
-    const int taps = SHADOW_FILTER == 2 ? 8 : 16;
+    const int taps = SHADOW_FILTER == 3 || SHADOW_FILTER == 4 || SHADOW_FILTER == 6 ? 16 : SHADOW_FILTER == 7 ? 24 : 8;
     float turn = pixel_turn(pixel);
     vec2 direction = vec2(cos(turn), sin(turn));
     float lit = 0.0;
     for (int k = 0; k < taps; ++k) {
+#if SHADOW_FILTER >= 5 && SHADOW_FILTER <= 7
+        vec2 uv = middle + POISSON[k] * (radius * square.w);
+#else
         vec2 uv = middle + direction * (radius * square.w * vogel_radius(k, taps));
+#endif
         lit += textureLod(t_local_shadow, vec3(clamp(uv, low, high), along), 0.0);
         direction = GOLDEN_TURN * direction;
     }

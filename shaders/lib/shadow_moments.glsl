@@ -58,8 +58,9 @@ float hamburger(vec4 m, float t)
     return before > 0.0 ? 1.0 - min(before, 1.0) : 1.0;  // also where it is not a number
 }
 
-// t: depth of the receiver; c: exponent; leak: of the light, what is none; texel: its width in the unit of depth.
-float moment_visibility(vec4 m, float t, float c, float leak, float texel)
+// t: depth of the receiver; c: exponent; leak: of the light, what is none; texel: its width in the unit of depth; steep:
+// the receiver's depth per texel, times the square of the blur's radius in texels.
+float moment_visibility(vec4 m, float t, float c, float leak, float texel, float steep)
 {
 #if SHADOW_FILTER == 8
     float p = min(m.x * exp(c * (1.0 - t)), 1.0);
@@ -73,7 +74,8 @@ float moment_visibility(vec4 m, float t, float c, float leak, float texel)
     float p = chebyshev(m.xy, up, least * up * up);
 #if SHADOW_FILTER == 11
     float down = -exp(-c * t);
-    p = min(p, chebyshev(m.zw, down, least * down * down));
+    // the mean of a convex function over a slope lies beyond the receiver: no bound of what others hide
+    p = min(p, max(chebyshev(m.zw, down, least * down * down), clamp(c * steep * 0.25 - 1.0, 0.0, 1.0)));
 #endif
 #endif
     return clamp((p - leak) / (1.0 - leak), 0.0, 1.0);

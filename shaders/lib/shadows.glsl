@@ -67,14 +67,18 @@ float shadow_moments(int i, vec3 p, vec3 n, vec3 f, float depth)
     float texel = view.shadow_cascades[2 * i].w;
     float pixel = length(view.place_y.xyz) * 2.0 * view.size.w * (view.camera.w > 0.5 ? depth : 1.0);
     float level = clamp(log2(max(pixel, 1e-30) / max(texel, 1e-30)), 0.0, SHADOW_MOST_LEVEL);
-    // over a slope, the blurred depths of the surface itself are a bound from below for the filters up to evsm2 only
-    float reach = SHADOW_FILTER >= 11 ? view.shadow.y : 0.0;
-    float sine = max(length(f.xy), length(n.xy));
     ShadowReceiver r = receiver(i, p, n, f, 0.0);
-    r.at = p + (n * (sine * (SHADOW_FOOTPRINT + reach)) + vec3(0.0, 0.0, SHADOW_CONSTANT)) * (texel * exp2(level));
+    float sine = max(length(f.xy), length(n.xy));
+#if SHADOW_FILTER == 12
+    // over a slope, the surface's own blurred depths darken what is less than their deviation before their mean
+    float reach = sine * max(SHADOW_FOOTPRINT * exp2(level), 0.55 * view.shadow.y + 0.3);
+    r.at = p + (n * reach + vec3(0.0, 0.0, SHADOW_CONSTANT)) * texel;
+#endif
     vec4 m = textureLod(t_sun_moments, shadow_uv(r, vec2(0.0)), level);
     float t = 1.0 - 2.0 * clamp(shadow_depth(r, vec2(0.0)), 0.0, 1.0);
-    return moment_visibility(m, t, view.shadow_fade.z, view.shadow_fade.w, 2.0 * texel * r.depth.y);
+    float width = 2.0 * texel * r.depth.y;
+    float steep = sine / max(sqrt(max(1.0 - sine * sine, 0.0)), 1e-4) * width * (exp2(level) + view.shadow.y * view.shadow.y);
+    return moment_visibility(m, t, view.shadow_fade.z, view.shadow_fade.w, width, steep);
 }
 #else
 // 1 where the sun reaches the point beside the receiver at `offset` (m in light space), hardware-filtered.

@@ -6,11 +6,12 @@
 // METHOD 1  horizons: Bavoil, Sainz, Dimitrov 2008, "Image-Space Horizon-Based Ambient Occlusion", eq. 3; weighted by
 //           the cosine as light is, so with the squares of the sines, and measured from the tangent plane
 // METHOD 2  ground truth: Jimenez, Wu, Pesce, Jarabo 2016, "Practical Realtime Strategies for Accurate Indirect
-//           Occlusion", eq. 7 to 9; horizons sink to the tangent plane with distance
+//           Occlusion", eq. 7 to 9; the horizon sinks with distance step by step, not as a whole, which
+//           left a wall of infinite height half as dark as it is (0.25 for 0.40 at half the radius)
 #include "lib/surface_from_depth.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(binding = 1, r16f) uniform writeonly image2D i_visibility;
+layout(binding = 1, FORMAT) uniform writeonly image2D i_visibility;
 
 // A place in a pattern of 4 x 4 pixels, 0 to 15, far from those beside it (Bayer 1973).
 int pattern(ivec2 pixel)
@@ -43,6 +44,15 @@ vec3 blocker(ivec2 pixel, ivec2 own, vec3 p, out bool seen)
     return place_at(pixel, depth) - p;
 }
 
+// The squared distance to the nearest of what a pixel hides from us at d from p: bodies are taken to be that thick, so
+// that a ball hides the ground that it stands on although only its front is seen.
+float nearest(vec3 p, vec3 d)
+{
+    vec3 away = -safe_normalize(view_vector(p + d));
+    vec3 e = d + away * clamp(-dot(d, away), 0.0, ao.thickness);
+    return max(dot(e, e), 1e-30);
+}
+
 float alchemy(ivec2 own, vec3 p, vec3 n, float reach, float turn)
 {
     float sum = 0.0;
@@ -71,7 +81,7 @@ float side_of_horizon(ivec2 own, vec3 p, vec3 n, vec2 towards, float reach, floa
         float d2 = max(dot(d, d), 1e-30);
         float rise = above_plane(dot(d, n) * inversesqrt(d2));
         if (rise <= highest) continue;
-        sum += falloff(d2) * (rise * rise - highest * highest);
+        sum += falloff(nearest(p, d)) * (rise * rise - highest * highest);
         highest = rise;
     }
     return sum;
@@ -88,35 +98,49 @@ float horizons(ivec2 own, vec3 p, vec3 n, float reach, float turn, float shift)
     return 1.0 - sum / float(2 * DIRECTIONS);
 }
 
-// Of one side of a slice: the sine of the highest elevation over the tangent plane, which sinks with distance; what a
-// horizon hides goes with the square of its sine, so the fall-off with its root. Taken from the tangent plane and not
-// from v, so that a place beside the slice, at the middle of its pixel, hides nothing of its own plane.
-float highest_rise(ivec2 own, vec3 p, vec3 n, vec2 towards, float reach, float shift)
+// Integrals over a slice from v to a horizon at h, `gamma` being the normal's angle in it: x, of the cosine; y and z, of the
+// cosine times the direction's part along v and across it. x is a of eq. 8; the others follow from
+// cos t sin t cos(t - g) = (sin(3t - g) + sin(t + g)) / 4 and sin^2 t cos(t - g) = (2 cos(t - g) - cos(3t - g) - cos(t + g)) / 4.
+vec3 arc(float h, float gamma)
+{
+    vec3 a = vec3(0.25 * (cos(gamma) + 2.0 * h * sin(gamma) - cos(2.0 * h - gamma)), 0.0, 0.0);
+#if BENT
+    a.y = (4.0 * cos(gamma) - cos(3.0 * h - gamma) - 3.0 * cos(h + gamma)) / 12.0;
+    a.z = (6.0 * sin(h - gamma) + 8.0 * sin(gamma) - sin(3.0 * h - gamma) - 3.0 * sin(h + gamma)) / 12.0;
+#endif
+    return a;
+}
+
+// What is open of one side of a slice (`side` 1 or -1). As the horizon rises, what it newly hides counts by the fall-off of
+// what hides it. Elevations are taken from the tangent plane and not from v, so that a place beside the slice, at the
+// middle of its pixel, hides nothing of its own plane.
+vec3 open_arc(ivec2 own, vec3 p, vec3 n, vec2 towards, float reach, float shift, float gamma, float size, float side)
 {
     float highest = 0.0;
+    vec3 last = arc(gamma + side * 0.5 * PI, gamma);
+    vec3 open = last;
     for (int j = 0; j < STEPS; ++j) {
         float u = (float(j) + shift) / float(STEPS);
         bool seen;
         vec3 d = blocker(own + ivec2(round(max(reach * u * u, 1.0) * towards)), own, p, seen);
         if (!seen) continue;
         float d2 = max(dot(d, d), 1e-30);
-        highest = max(highest, above_plane(dot(d, n) * inversesqrt(d2)) * sqrt(falloff(d2)));
+        float rise = min(above_plane(dot(d, n) * inversesqrt(d2)) / size, 1.0);
+        if (rise <= highest) continue;
+        highest = rise;
+        vec3 now = arc(gamma + side * (0.5 * PI - asin(rise)), gamma);
+        open -= falloff(nearest(p, d)) * (last - now);
+        last = now;
     }
-    return highest;
+    return open;
 }
 
-// The inner integral over a slice between two horizons, measured from v; `gamma` is the normal's angle in it.
-float arc(float h, float gamma)
-{
-    return 0.25 * (cos(gamma) + 2.0 * h * sin(gamma) - cos(2.0 * h - gamma));
-}
-
-float ground_truth(ivec2 own, vec3 p, vec3 n, float reach, float turn, float shift)
+vec4 ground_truth(ivec2 own, vec3 p, vec3 n, float reach, float turn, float shift)
 {
     vec3 v = safe_normalize(view_vector(p));
     vec3 right = safe_normalize(view.place_x.xyz);
     vec3 up = safe_normalize(view.place_y.xyz);
-    float sum = 0.0;
+    vec4 sum = vec4(0.0);
     for (int i = 0; i < DIRECTIONS; ++i) {
         float angle = (float(i) + turn) * PI / float(DIRECTIONS);
         vec2 towards = vec2(cos(angle), -sin(angle));  // rows of pixels go down
@@ -126,11 +150,9 @@ float ground_truth(ivec2 own, vec3 p, vec3 n, float reach, float turn, float shi
         vec3 projected = n - axis * dot(n, axis);
         float size = max(length(projected), 1e-6);
         float gamma = sign(dot(side, projected)) * acos(clamp(dot(projected, v) / size, -1.0, 1.0));
-        float ahead = asin(min(highest_rise(own, p, n, towards, reach, shift) / size, 1.0));
-        float behind = asin(min(highest_rise(own, p, n, -towards, reach, shift) / size, 1.0));
-        float h1 = gamma + 0.5 * PI - ahead;
-        float h0 = gamma - 0.5 * PI + behind;
-        sum += size * (arc(h0, gamma) + arc(h1, gamma));
+        vec3 open = open_arc(own, p, n, towards, reach, shift, gamma, size, 1.0)
+                  + open_arc(own, p, n, -towards, reach, shift, gamma, size, -1.0);
+        sum += size * vec4(open.y * v + open.z * side, open.x);
     }
     return sum / float(DIRECTIONS);
 }
@@ -141,26 +163,34 @@ void main()
     ivec2 own = texel * STRIDE;
     if (own.x >= int(view.size.x) || own.y >= int(view.size.y)) return;
     float depth = depth_at(own);
-    float visible = 1.0;
+    vec4 visible = vec4(0.0, 0.0, 0.0, 1.0);  // the mean open direction, not of length 1; how much is open
+    vec3 offset = vec3(0.0);
     if (depth > 0.0 && ao.strength > 0.0) {
         vec3 p = place_at(own, depth);
-        vec3 n = facet_normal(own, p);
+        vec3 n = facet_normal(own, p, depth);
         float pixels = ao.radius * pixels_per_metre(view_depth(p));
         float reach = min(pixels, 0.5 * view.size.y);
         if (reach > 1.0) {
             float turn = (float(pattern(texel)) + 0.5) / 16.0;
             float shift = (float(pattern(texel.yx + ivec2(1, 2))) + 0.5) / 16.0;
 #if METHOD == 0
-            visible = alchemy(own, p, n, reach, turn);
+            visible.w = alchemy(own, p, n, reach, turn);
 #elif METHOD == 1
-            visible = horizons(own, p, n, reach, turn, shift);
+            visible.w = horizons(own, p, n, reach, turn, shift);
 #else
             visible = ground_truth(own, p, n, reach, turn, shift);
 #endif
             // a radius of two pixels and less is no picture of its surroundings
-            visible = mix(1.0, visible, ao.strength * sat(reach - 1.0));
+            float part = ao.strength * sat(reach - 1.0);
+            visible.w = mix(1.0, visible.w, part);
+            offset = part * (safe_normalize(visible.xyz) - n);
         }
     }
     // one slice may well see more than 1 or less than 0, as others see less or more: it is the filtered value that ends there
-    imageStore(i_visibility, texel, vec4(visible == visible ? clamp(visible, -4.0, 4.0) : 1.0));
+    float open = visible.w == visible.w ? clamp(visible.w, -4.0, 4.0) : 1.0;
+#if BENT
+    imageStore(i_visibility, texel, vec4(offset == offset ? offset : vec3(0.0), open));
+#else
+    imageStore(i_visibility, texel, vec4(open));
+#endif
 }

@@ -4,23 +4,29 @@
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(binding = 10) uniform sampler2D t_visibility;
-layout(binding = 1, r16f) uniform writeonly image2D i_filtered;
+layout(binding = 1, FORMAT) uniform writeonly image2D i_filtered;
+
+#if BENT
+#define VISIBLE(texel) (texel)
+#else
+#define VISIBLE(texel) vec4(0.0, 0.0, 0.0, (texel).r)
+#endif
 
 void main()
 {
     ivec2 own = ivec2(gl_GlobalInvocationID.xy);
     if (own.x >= int(view.size.x) || own.y >= int(view.size.y)) return;
     float depth = depth_at(own);
-    float filtered = 1.0;
+    vec4 filtered = vec4(0.0, 0.0, 0.0, 1.0);
     if (depth > 0.0) {
         ivec2 middle = own / STRIDE;
         ivec2 last = textureSize(t_visibility, 0) - 1;
         vec3 p = place_at(own, depth);
-        vec3 n = facet_normal(own, p);
+        vec3 n = facet_normal(own, p, depth);
         float d = view_depth(p);
         // as far off its plane as a surface may be: a part of the radius, or of a pixel where that is more
         float slack = max(0.05 * ao.radius, 0.5 / pixels_per_metre(d));
-        float sum = 0.0;
+        vec4 sum = vec4(0.0);
         float weights = 0.0;
         for (int y = -2; y <= 2; ++y) {
             for (int x = -2; x <= 2; ++x) {
@@ -31,11 +37,15 @@ void main()
                 float off = abs(dot(place_at(texel * STRIDE, other) - p, n));
                 // the outer rows count half: the window is one period wide
                 float weight = (abs(x) == 2 ? 0.5 : 1.0) * (abs(y) == 2 ? 0.5 : 1.0) * sat(1.0 - off / slack);
-                sum += weight * texelFetch(t_visibility, texel, 0).r;
+                sum += weight * VISIBLE(texelFetch(t_visibility, texel, 0));
                 weights += weight;
             }
         }
-        filtered = weights > 1e-4 ? sum / weights : texelFetch(t_visibility, min(middle, last), 0).r;
+        filtered = weights > 1e-4 ? sum / weights : VISIBLE(texelFetch(t_visibility, min(middle, last), 0));
     }
-    imageStore(i_filtered, own, vec4(sat(filtered)));
+#if BENT
+    imageStore(i_filtered, own, vec4(filtered.xyz, sat(filtered.w)));
+#else
+    imageStore(i_filtered, own, vec4(sat(filtered.w)));
+#endif
 }

@@ -99,17 +99,17 @@ void main()
                 for (int x = first.x; x < end.x; ++x) {
                     for (int s = 0; s < SAMPLES; ++s) {
                         float z = texelFetch(t_depth, ivec2(x, y), s).r;
-                        if (!(z > 0.0 && z <= 1.0)) continue;
-                        vec3 p = position_from_depth(vec2(x, y) + 0.5, z);
+                        bool there = z > 0.0 && z <= 1.0;
+                        vec3 p = position_from_depth(vec2(x, y) + 0.5, there ? z : 1.0);
                         float d = view_depth(p);
-                        bins |= depth_bits(near, far, d - pad, d + pad);
-                        if (d < middle) {
-                            lo = min(lo, p);
-                            hi = max(hi, p);
-                        } else {
-                            back_lo = min(back_lo, p);
-                            back_hi = max(back_hi, p);
-                        }
+                        // chosen, not branched to: neighbours seldom agree
+                        bool before = there && d < middle;
+                        bool behind = there && !(d < middle);
+                        bins |= there ? depth_bits(near, far, d - pad, d + pad) : 0u;
+                        lo = before ? min(lo, p) : lo;
+                        hi = before ? max(hi, p) : hi;
+                        back_lo = behind ? min(back_lo, p) : back_lo;
+                        back_hi = behind ? max(back_hi, p) : back_hi;
                     }
                 }
             }

@@ -19,7 +19,7 @@ from engine.core.errors import UsageError
 from engine.report.image import load_png
 from importers.cli import render
 from importers.cli.main import main
-from importers.cli.render_sequence import _Video, check_arguments, picture_name, sequence
+from importers.cli.render_sequence import Video, check_arguments, picture_name, sequence
 
 
 def parse(*words: str) -> argparse.Namespace:
@@ -165,6 +165,6 @@ def test_a_video_has_every_frame(scene: Path, tmp_path: Path, gl_device) -> None
 
 
 def stopped_after_one(out: Path, frame: np.ndarray) -> None:
-    with _Video(out, 12.0, (64, 64)) as video:
+    with Video(out, 12.0, (64, 64)) as video:
         video.add(frame)
         raise RuntimeError("stop")

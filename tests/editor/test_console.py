@@ -68,6 +68,6 @@ def test_mistakes_are_written_down_and_nothing_else(console: Console, line: str)
 
 
 def test_completion(console: Console) -> None:
-    assert console.complete("sel") == ["selection"]
+    assert console.complete("sel") == ["select", "selection"]
     assert "session.camera" in console.complete("session.cam")
     assert console.complete("nothing.at") == []

@@ -43,7 +43,7 @@ def test_many_at_once(told: dict[str, Any]) -> None:
 
 
 def test_the_toolbar_switches_paths_of_one_picture(told: dict[str, Any]) -> None:
-    assert told["paths"] == ["deferred", "tiled-deferred", "forward-plus"]
+    assert told["paths"] == ["forward", "deferred", "tiled-deferred", "forward-plus"]
     assert told["paths_differ"] <= 1
     assert "23 local lights" in told["auto"]
 

@@ -58,6 +58,23 @@ def test_thumbnails_come_and_what_is_broken_says_why(seen: dict[str, Any]) -> No
     assert "GLB" in why
 
 
+def test_a_parameter_of_one_object_alone(seen: dict[str, Any]) -> None:
+    assert seen["own"] == [["roughness"], True, True], "the material keeps its own"
+    assert seen["own_entries"] == ["Roughness of red on cube"] * 2
+    assert seen["own_seen"]
+    assert seen["own_saved"]
+    assert seen["own_reset"] == [{}, True]
+    assert seen["own_undone"]
+
+
+def test_hot_reload_reaches_preview_and_thumbnails(seen: dict[str, Any]) -> None:
+    assert seen["reload_preview"]
+    assert seen["reload_thumbnail"]
+    assert seen["broken_badge"]
+    assert seen["broken_keeps"], "the last good picture, bit for bit"
+    assert seen["mended"]
+
+
 def test_everything_is_undone(seen: dict[str, Any]) -> None:
     assert seen["undone"]
     assert seen["clean"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -15,12 +16,13 @@ from editor.session import Session
 
 
 @pytest.fixture
-def session(tmp_path: Path) -> Session:
+def session(tmp_path: Path) -> Iterator[Session]:
     session = Session(FakeHost(), Preferences())
     session.device = session.host.open_device(attach=False)
     session.save_preferences = False
     session.recovery_folder = tmp_path
-    return session
+    yield session
+    session.close_all()
 
 
 def opened(session: Session, name: str = "thing.glb", folder: Path = Path("/nowhere")) -> Any:
@@ -126,4 +128,4 @@ def test_dropped_files_open_one_after_the_other_and_a_panorama_lights_the_last(s
     session.undo()
     assert environment.kind != "image"
     dropping.take(session, [Path("/nowhere/notes.txt")])
-    assert "notes.txt" in session.messages.text()
+    assert "notes.txt" in " ".join(m.line() for m in session.messages.snapshot())

@@ -42,5 +42,9 @@ def test_paths_and_tables(quick: Callable[[], Context], tmp_path: Path, monkeypa
     assert [row[0] for row in by_scene[0].rows] == [str(n) for n in COUNTS]
     assert by_scene[0].columns[1:] == ["auto", *PATHS]
     assert "beats deferred" in by_scene[0].note
+    assert [chart.title.split(":")[0] for chart in result.charts] == ["atrium", "poles"]
+    for chart in result.charts:
+        assert [line.name for line in chart.lines] == list(PATHS)
+        assert all([p.x for p in line.points] == list(COUNTS) for line in chart.lines)
     assert not list(tmp_path.rglob("light_costs/*"))  # a quick run is no fit
     assert result.pictures

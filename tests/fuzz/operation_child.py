@@ -66,7 +66,7 @@ def _walk(order: dict[str, Any], folder: Path, trace: IO[str], answer: dict[str,
         if kill_how in ("step", "torn") and number == kill_at:
             _die(folder, answer, walk, session, torn=kill_how == "torn")
     answer["done"] = order["count"]
-    answer["counts"] = walk.counts
+    _die(folder, answer, walk, session, torn=False)
 
 
 def _restore(session: Session, walk: Walk, folder: Path) -> bool:
@@ -95,6 +95,8 @@ def _restore(session: Session, walk: Walk, folder: Path) -> bool:
         raise Broken("the restored scene would be saved as other bytes")
     if document.dirty != told["dirty"]:
         raise Broken(f"unsaved was {told['dirty']}, and is {document.dirty}")
+    state = stage.content(document, exact=walk.exact)
+    model.follow({"e": "end", "done": entries[0], "undone": entries[1], "state": state})
     walk.watch(document, model=model)
     at = model.at
     document.history.go_to(0)  # the walk compares each state on the way
@@ -112,7 +114,8 @@ def _die(folder: Path, answer: dict[str, Any], walk: Walk, session: Session, *, 
     if document is not None:
         history = document.history
         told = {
-            "dirty": document.dirty, "entries": [len(history.entries), len(history.undone)],
+            # the replay ends the gesture; one that had come back to where it began leaves no entry then
+            "entries": [sum(e.changes for e in history.entries), len(history.undone)], "dirty": document.dirty,
             "bytes": stage.scene_bytes(document).hex(),
         }  # fmt: skip
     (folder / "last.json").write_text(json.dumps(told), encoding="utf-8")

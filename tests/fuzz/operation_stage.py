@@ -4,6 +4,7 @@ draws nothing, and its content as a hash."""
 from __future__ import annotations
 
 import hashlib
+import os
 import sys
 from pathlib import Path
 from typing import Any
@@ -80,21 +81,48 @@ def open_scene(session: Session, scene: Path) -> Document:
 
 
 def content(document: Document, *, exact: bool) -> str:
-    """A hash of all that the document is: what saving would write, what its materials say, and with `exact` every bit
-    of the scene's tables (which clips move, so not while there are some)."""
-    digest = hashlib.sha256(scene_bytes(document))
+    """Hashes of all that the document is: what saving would write, what its materials say, its animation, and with
+    `exact` every bit of the scene's tables (which clips move, so not while there are some).
+
+    With LUCARNA_FUZZ_EXPLAIN=FOLDER what is hashed lies there by its hash, to be compared."""
     residency = document.runtime.residency
+    materials = []
     for material in range(len(residency.materials.records)):
         record = residency.material(material)
+        if residency.materials.base_of(material) != material:
+            continue  # what one object says of it; the scene has that, and which number it is drawn with says nothing
         values = {p.name: record.asset.params.get(p.name, p.default) for p in record.effect.params}
         asset = record.asset
-        digest.update(repr((material, values, sorted(asset.textures.items()), asset.features, asset.queue)).encode())
+        materials.append((material, values, sorted(asset.textures.items()), asset.features, asset.queue))
     runtime = document.runtime
     animation = getattr(runtime, "animation", None)
-    digest.update(repr((getattr(animation, "text", ""), runtime.drive, bool(runtime.deck.root_motion))).encode())
-    if exact:
-        digest.update(repr(without_view(state(document))).encode())
-    return digest.hexdigest()[:16]
+    parts = {
+        "scene": scene_bytes(document),
+        "materials": repr(materials).encode(),
+        "animation": repr((getattr(animation, "text", ""), runtime.drive, bool(runtime.deck.root_motion))).encode(),
+        "bits": repr(_bits(document)).encode() if exact else b"",
+    }
+    hashes = {name: hashlib.sha256(data).hexdigest()[:12] for name, data in parts.items()}
+    explain = os.environ.get("LUCARNA_FUZZ_EXPLAIN")
+    for name, data in parts.items() if explain else ():
+        (Path(explain or "") / f"{name}-{hashes[name]}").write_bytes(data)
+    return " ".join(f"{name}:{value}" for name, value in hashes.items())
+
+
+def _bits(document: Document) -> Any:
+    """Every stored bit of the scene's tables, but of materials that one object has to itself only what they vary."""
+    values = without_view(state(document))
+    table = document.runtime.scene.instances
+    base_of = document.runtime.residency.materials.base_of
+    values["tables"]["instances"][1]["material"] = [
+        base_of(int(m)) if alive and m >= 0 else -1 for m, alive in zip(table.material, table.alive, strict=True)
+    ]
+    return _ordered(values)
+
+
+def _ordered(value: Any) -> Any:
+    """Dictionaries by their keys: in which order they were filled says nothing."""
+    return {k: _ordered(value[k]) for k in sorted(value, key=repr)} if isinstance(value, dict) else value
 
 
 def scene_bytes(document: Document) -> bytes:

@@ -57,7 +57,10 @@ class Model:
         elif event["e"] in ("undo", "redo", "end", "saved"):
             del self.states[done + undone + 1 :]
             if self.states[done] != now:
-                raise Broken(f"after {event['e']} to entry {done} the document is not what it was there")
+                raise Broken(
+                    f"after {event['e']} to entry {done} the document is not what it was there: "
+                    f"{now}, and was {self.states[done]}"
+                )
         self.at = done
 
 
@@ -150,7 +153,10 @@ class Walk:
             return what
         after = self.content()
         if after != self.model.states[self.model.at]:
-            raise Broken(f"{what}: the document changed, and its history does not know")
+            raise Broken(
+                f"{what}: the document changed, and its history does not know: {after}, and was "
+                f"{self.model.states[self.model.at]}"
+            )
         if document.history.revision == revision and (after != before or self.model.at != at):
             raise Broken(f"{what}: no edit was made, and the document is another")
         return what
@@ -208,5 +214,11 @@ class Walk:
         if requests.paste is not None:
             paste, requests.paste = requests.paste, None
             paste(dice.choice((requests.copy_text, "roughness = 0.3", "", "no = [toml")))
+        for tab in [tab for tab in session.tabs if tab.document is not session.document]:
+            tab.document.history.listener = None  # one document at a time: what of several is another test's
+            if tab.journal is not None:
+                tab.journal.finish()
+            tab.document.close()
+            session.tabs.remove(tab)
         session.playback.playing = False
         session.tick(0.05)

@@ -52,7 +52,7 @@ def fuzz(count: int, seed: int, *, every: int = 300, folder: Path | None = None,
             order = {
                 "folder": str(base), "animated": base.name == "animated", "seed": f"{seed}/{number}",
                 "count": min(2 * every, count - outcome.operations), "kill_how": how,
-                "kill_at": dice.randint(every // 2, every + every // 2),
+                "kill_at": dice.randint(every // 2, every + every // 2) // (2 if how == "event" else 1),
             }  # fmt: skip
             _child(order, base, outcome)
             number += 1

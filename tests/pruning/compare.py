@@ -35,7 +35,7 @@ def shoot(stage: Stage, spec: SceneSpec, camera: Any, *, force_all: bool) -> Pic
     settings = {
         "samples": spec.samples, "view": spec.view, "shadows": spec.shadows, "shadow_filter": spec.shadow_filter,
         "ambient_occlusion": spec.ambient_occlusion, "ao_radius": 0.5,
-        "bloom": spec.bloom, "auto_exposure": spec.auto_exposure, "antialias": spec.antialias,
+        "bloom": spec.bloom, "auto_exposure": spec.auto_exposure, "antialias": spec.antialias, "taa_frames": 2,
         "shadow_size": 64, "shadow_cascades": 2, "local_shadows": spec.local_shadows, "local_shadow_size": 256,
         "force_all": force_all,
         "path": spec.path, "alpha_to_coverage": spec.cutouts_smooth,

@@ -57,6 +57,7 @@ TOGGLES: dict[str, tuple[SceneSpec, SceneSpec, tuple[str, ...]]] = {
     "bloom": (LIT, replace(LIT, bloom=0.3), ()),
     "auto_exposure": (LIT, replace(LIT, auto_exposure=True), ()),
     "fxaa": (LIT, replace(LIT, antialias="fxaa"), ()),
+    "taa": (LIT, replace(LIT, antialias="taa"), ("motion",)),
     "local_shadows": (
         replace(SHADOWED, lights=("point",)), replace(SHADOWED, lights=("point",), local_shadows="all"), (),
     ),
@@ -65,8 +66,9 @@ TOGGLES: dict[str, tuple[SceneSpec, SceneSpec, tuple[str, ...]]] = {
 }  # fmt: skip
 #: facts that are not of the scene: what they must do instead is tested below; of `lighting`, its paths and G-buffer, by
 #: test_path_agreement.py and tests/stability/test_paths.py; of `quality` and `stencil`, what an effect says of
-#: them, in tests/render/test_effect_stages.py and test_effect_passes.py
-NOT_OF_THE_SCENE = {"hdr_output", "force_all", "quality", "stencil", "lighting"}
+#: them, in tests/render/test_effect_stages.py and test_effect_passes.py; `motion` and `moving` show in what is gathered
+#: over frames alone: tests/render/test_motion.py
+NOT_OF_THE_SCENE = {"hdr_output", "force_all", "quality", "stencil", "lighting", "motion", "moving"}
 
 
 @given(spec=specs)

@@ -145,7 +145,7 @@ def test_nothing_beyond_the_range(matt: Stage, kind: str) -> None:
     matt.lamp(LightAsset(kind, intensity=9.0, range=0.5, width=0.4, height=0.2), (0, 0, 0.45), FACING)
     picture = matt.hdr(SIZE, front_camera(0.8))[..., 0]
     assert picture[12, 12] > 0.0
-    bounds = matt.runtime.renderer._lights.bounds
+    bounds = matt.runtime.renderer.rows.lights.bounds
     reach = math.sqrt(float(bounds.radius[0]) ** 2 - 0.45**2)
     camera_scale = 0.8 * 1.25  # the framing leaves a margin: pixels out there are farther still
     far = np.linalg.norm(pixels(0.8), axis=-1) > reach * camera_scale

@@ -178,10 +178,10 @@ def test_too_many_lights_are_told_of(stage, surface) -> None:
     renderer, camera = stage.runtime.renderer, down()
     stage.hdr((16, 16), camera, local_shadow_lights=3)
     assert "4 of 7 lights" in str(renderer.light_findings.items[0])
-    assert len({tile.position.tobytes() for tile in renderer._local_shadows.tiles}) == 3
+    assert len({tile.position.tobytes() for tile in renderer.rows.local_shadows.tiles}) == 3
     stage.hdr((16, 16), camera, local_shadow_size=64)  # four tiles of 32: the spot and none of six faces
     assert "no room" in str(renderer.light_findings.items[0])
-    assert len(renderer._local_shadows.tiles) == 1
+    assert len(renderer.rows.local_shadows.tiles) == 1
     stage.hdr((16, 16), camera)
     assert not len(renderer.light_findings)
-    assert len(renderer._local_shadows.tiles) == 1 + 6 * 6
+    assert len(renderer.rows.local_shadows.tiles) == 1 + 6 * 6

@@ -37,6 +37,7 @@ def test_passes_are_left_out_with_a_reason(stage) -> None:
     assert left_out == {
         "shadow_cascades", "local_shadows", "depth_prepass", "ambient_occlusion", "sky", "scene_color", "transparent",
         "light_heat", "auto_exposure", "bloom", "resolve", "fxaa",
+        "motion", "motion_late", "taa",
     }  # fmt: skip
     assert all(item.reason for item in frame.graph.left_out)
 

@@ -61,7 +61,7 @@ def test_a_scene_at_rest_draws_its_maps_once(null_stage, surface, drawn) -> None
 def test_a_little_step_of_the_camera_draws_nothing(null_stage, surface, drawn) -> None:
     build(null_stage, surface)
     drawn()
-    texel = null_stage.runtime.renderer._shadows.cascades[0].texel
+    texel = null_stage.runtime.renderer.rows.shadows.cascades[0].texel
     maps = [len(drawn(camera(i * texel / 7))) for i in range(60)]
     assert sum(maps) <= 6
     assert sum(len(drawn(camera(i * 1.0))) for i in range(8)) > 4  # and a walk does
@@ -120,7 +120,7 @@ def test_casters_of_a_kind_are_one_call_a_map(null_stage, surface) -> None:
     null_stage.runtime.update()
     view = null_stage.view((64, 48), camera())
     null_stage.runtime.render(view)
-    maps = len(null_stage.runtime.renderer._shadows.cascades)
+    maps = len(null_stage.runtime.renderer.rows.shadows.cascades)
     first = null_stage.runtime.device.counters.draws
     null_stage.runtime.render(view)
     assert maps >= 2

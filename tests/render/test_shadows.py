@@ -54,7 +54,7 @@ def brightness(stage, camera, size=SIZE, **settings) -> np.ndarray:
 
 
 def cascades(stage):
-    return stage.runtime.renderer._shadows.cascades
+    return stage.runtime.renderer.rows.shadows.cascades
 
 
 @pytest.mark.parametrize("filter", FILTERS)
@@ -88,8 +88,11 @@ def test_shadowed_is_dark_and_the_environment_is_not_shadowed(stage, surface) ->
     assert with_sky[core] == pytest.approx(brightness(stage, from_above(3.0))[core], rel=1e-3)
 
 
-@pytest.mark.parametrize("filter", FILTERS)
-@pytest.mark.parametrize("theta", [0, 1, 10, 30, 45, 60, 75, 80, 85, 88, 89])
+@pytest.mark.parametrize(
+    ("filter", "theta"),
+    [(f, theta) for f in FILTERS[:5] for theta in (0, 1, 10, 30, 45, 60, 75, 80, 85, 88, 89)]
+    + [(f, theta) for f in FILTERS[5:] for theta in (0, 30, 75, 89)],
+)
 def test_a_tilted_plane_does_not_shadow_itself(stage, surface, theta, filter) -> None:
     """Sun overhead, floor tilted by theta about an axis that is not the map's: no pixel loses light."""
     sunny(stage, sun_elevation=math.pi / 2)
@@ -276,10 +279,10 @@ def test_a_vertical_sun_and_one_that_turns(stage, surface, axis) -> None:
         sunny(stage, sun_azimuth=azimuth, sun_elevation=elevation)
         stage.add(plane(12.0), grey(surface))
         stage.add(plane(1.0), grey(surface), (0.0, 1.5, 0.0))
-        toward = -stage.runtime.renderer._shadows.axes[2]
+        toward = -stage.runtime.renderer.rows.shadows.axes[2]
         camera = from_above(3.0)
         lit, picture = brightness(stage, camera, shadows=False), brightness(stage, camera)
-        toward = -stage.runtime.renderer._shadows.axes[2]
+        toward = -stage.runtime.renderer.rows.shadows.axes[2]
         middle = toward / -toward[1] * 1.5
         x, z = ground(3.0)
         dark = picture < 0.5 * lit
@@ -341,7 +344,7 @@ def test_passes_are_left_out_with_the_reason(stage, surface) -> None:
     assert left_out()  # no sun
 
 
-@pytest.mark.parametrize("filter", FILTERS)
+@pytest.mark.parametrize("filter", [*FILTERS[:5], "poisson24", "vsm", "msm"])
 @pytest.mark.parametrize("case", ["shadow", "no sun", "no caster", "off", "looks away"])
 def test_pruned_and_forced_pictures_are_bit_equal(stage, surface, case, filter) -> None:
     sunny(stage, sun_illuminance=0.0 if case == "no sun" else 2.0)
@@ -353,7 +356,7 @@ def test_pruned_and_forced_pictures_are_bit_equal(stage, surface, case, filter) 
     camera = from_above(3.0)
     if case == "looks away":
         camera = Camera(look_at((0, 9, 0), (0, 20, 0.1)), 0.8)
-    options = {"shadow_filter": filter, "shadows": case != "off"}
+    options = {"shadow_filter": filter, "shadows": case != "off", "shadow_size": 256}
     assert (stage.hdr(SIZE, camera, **options) == stage.hdr(SIZE, camera, force_all=True, **options)).all()
 
 

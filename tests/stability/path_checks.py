@@ -69,8 +69,8 @@ def layout_is_enough(stage: Stage, layout: int) -> None:
     stage.lamp(LightAsset("point", (1.0, 0.9, 0.8), 1.0, 5.0), (0.3, 0.5, 1.0))
     got = shoot(stage, path="deferred")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("engine.render.renderer.layout_of", lambda rows: 2)
-        stage.runtime.renderer._layout = (None, 2)
+        patch.setattr("engine.render.light_path.layout_of", lambda rows: 2)
+        stage.runtime.renderer.light_path.layout = (None, 2)
         full = shoot(stage, path="deferred")
     # the layouts keep the same numbers in other fields of 16 bits
     assert np.abs(full - got).max() <= 1e-3 * full.max(), f"layout {layout} leaves out what is seen"

@@ -104,7 +104,7 @@ def paths_sheet(device: Device, sample: str, lights: int, size: tuple[int, int])
 
 #: of culling, beside the default
 WAYS: tuple[tuple[str, dict[str, str]], ...] = (
-    ("tiles of 8", {"light_tile": "8"}), ("tiles of 32", {"light_tile": "32"}),
+    ("tiles of 16", {"light_tile": "16"}), ("tiles of 32", {"light_tile": "32"}),
     ("planes and range", {"light_test": "planes", "light_depth": "range"}), ("clusters", {"light_depth": "clusters"}),
 )  # fmt: skip
 

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from engine.report.records import Extreme, Floor, Picture, Point, Table
+from engine.report.records import Chart, Extreme, Floor, Picture, Point, Table
 
 if TYPE_CHECKING:
     from engine.experiments.harness.context import Context
@@ -101,6 +101,7 @@ class Experiment:
     prepare: Callable[[Context], Iterable[tuple[float, str]]] | None = None
     extremes: Callable[[Context], Iterable[Extreme]] | None = None
     tables: Callable[[Context, Sequence[Point]], Iterable[Table]] | None = None
+    charts: Callable[[Context, Sequence[Point]], Iterable[Chart]] | None = None
     step_label: str = ""
     profile_label: str = ""
     time_label: str = "median time"

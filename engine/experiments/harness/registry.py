@@ -15,6 +15,11 @@ from engine.experiments.harness.experiment import Experiment
 
 _packages = ["engine.experiments"]
 
+#: a name for several that belong together
+GROUPS: dict[str, tuple[str, ...]] = {
+    "shadows": ("sun_shadows", "local_shadows", "shadow_edges", "shadow_filter"),
+}
+
 
 def include(package: str) -> None:
     """Look for experiments in `package`, too."""
@@ -40,7 +45,7 @@ def get(name: str) -> Experiment:
     """The experiment of that name; `-` and `_` are one. Raises UsageError with "did you mean"."""
     wanted, known = name.replace("-", "_"), _modules()
     if wanted not in known:
-        near = difflib.get_close_matches(wanted, known, 1)
+        near = difflib.get_close_matches(wanted, [*known, *GROUPS], 1)
         raise UsageError(
             f"there is no experiment {name!r}",
             hint=f"did you mean {near[0]!r}?" if near else "`lucarna report` lists them",
@@ -51,6 +56,7 @@ def get(name: str) -> Experiment:
 
 
 def select(wanted: Sequence[str]) -> dict[str, Experiment]:
-    """Name -> experiment, in the order asked for; all of them for none."""
-    chosen = [n.replace("-", "_") for n in wanted] or names()
+    """Name -> experiment, in the order asked for, groups taken apart; all of them for none."""
+    plain = [n.replace("-", "_") for n in wanted] or names()
+    chosen = [name for n in plain for name in GROUPS.get(n, (n,))]
     return {name: get(name) for name in dict.fromkeys(chosen)}

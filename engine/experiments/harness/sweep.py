@@ -97,8 +97,9 @@ def _measure(experiment: Experiment, ctx: Context, result: Result, trials: list[
     result.extremes = _extremes(experiment, ctx)
     try:
         result.tables = list(experiment.tables(ctx, points)) if experiment.tables else []
+        result.charts = list(experiment.charts(ctx, points)) if experiment.charts else []
     except LucarnaError as error:
-        ctx.omit("tables", str(error))
+        ctx.omit("tables and charts", str(error))
 
 
 def _empty(name: str, experiment: Experiment, ctx: Context) -> Result:

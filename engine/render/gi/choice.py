@@ -28,7 +28,8 @@ LEVELS = 5
 class Indirect:
     """`bounces`: of one picture; `live`: a further one each frame, from what the frame before had. `directions`: slices
     through a pixel; `steps`: places on each side of one (spiral: in all); `stride`: 2 where layers have half the size.
-    `gather`, `reflections`: which of both is wanted. `why_not`: why nothing is."""
+    `gather`, `reflections`: which of both is wanted. `sky`: the environment
+    gives light. `why_not`: why nothing is."""
 
     method: str = "slices"
     bounces: int = 1
@@ -42,15 +43,27 @@ class Indirect:
     gather: bool = False
     reflections: bool = False
     reflection_steps: int = 32
+    sky: bool = False
     why_not: str = "light between surfaces is off"
 
     @property
     def wanted(self) -> bool:
         return self.gather or self.reflections
 
+    @property
+    def rounds(self) -> int:
+        """Bounces of a still picture before the last; what the environment lights is lit once at least."""
+        return max(self.bounces - 1, int(self.sky))
 
-def indirect_of(settings: RenderSettings, *, solid: bool, live: bool = False) -> Indirect:
-    """What the view asks for; `solid`: something stands there; `live`: frames follow one another."""
+    @property
+    def again(self) -> bool:
+        """Whether surfaces send out more than lamps and suns give them."""
+        return self.gather and (self.live or self.rounds > 0)
+
+
+def indirect_of(settings: RenderSettings, *, solid: bool, lit: bool = False, live: bool = False) -> Indirect:
+    """What the view asks for; `solid`: something stands there; `lit`: the environment gives light; `live`: frames follow
+    one another."""
     view = settings.shading_view
     why = (
         "light between surfaces is off" if settings.gi == "off" and not settings.reflections
@@ -67,7 +80,7 @@ def indirect_of(settings: RenderSettings, *, solid: bool, live: bool = False) ->
         live=live and many, smooth=live and bool(settings.gi_smooth) and settings.gi != "off",
         directions=int(settings.gi_directions), steps=int(settings.gi_steps), stride=2 if settings.gi_half else 1,
         layers=int(settings.gi_layers), unseen=str(settings.gi_unseen), gather=settings.gi != "off",
-        reflections=bool(settings.reflections), reflection_steps=int(settings.reflection_steps), why_not="",
+        reflections=bool(settings.reflections), reflection_steps=int(settings.reflection_steps), sky=lit, why_not="",
     )  # fmt: skip
 
 

@@ -14,14 +14,17 @@ from engine.render.facts import SceneFacts
 from engine.render.frame import AMBIENT_UNIT, DEPTH_UNIT, INPUT_UNIT, PASS_BINDING, VIEW_BINDING, RenderFrame
 from engine.render.occlusion import METHODS
 
-#: r16f: 1 open, 0 closed
+#: r16f: 1 open, 0 closed; rgba16f with bent normals: from the normal to the mean open direction (world), then the same
 VISIBILITY, FILTERED = "ambient_visibility_raw", "ambient_visibility"
+
+FORMATS = {False: "r16f", True: "rgba16f"}
 
 BLOCK = layout(
     [
         Field("radius", "float"),  # metres
         Field("per_radius_squared", "float"),  # 1 / radius^2
         Field("strength", "float"),  # 0 none to 1 all
+        Field("thickness", "float"),  # metres
         Field("bias", "float"),  # sine above the tangent plane that does not hide anything yet
     ],
     rule="std140",
@@ -42,8 +45,9 @@ class AmbientOcclusionPass(Pass):
     def declare(self, b: Builder) -> None:
         b.read("depth")
         stride = b.facts.ambient_occlusion.stride
-        b.create(VISIBILITY, "r16f", scale=1.0 / stride)
-        b.create(FILTERED, "r16f")
+        form = FORMATS[b.facts.ambient_occlusion.bent]
+        b.create(VISIBILITY, form, scale=1.0 / stride)
+        b.create(FILTERED, form)
 
     def execute(self, ctx: PassContext) -> None:
         frame: RenderFrame = ctx.frame
@@ -51,11 +55,13 @@ class AmbientOcclusionPass(Pass):
         row["radius"] = frame.look["ambient_radius"]
         row["per_radius_squared"] = 1.0 / float(row["radius"]) ** 2
         row["strength"] = frame.look["ambient_strength"] if quality.wanted else 0.0
+        row["thickness"] = frame.look["ambient_thickness"]
         row["bias"] = BIAS
         block = frame.pass_block(self.name, row)
         defines = {
             "METHOD": METHODS.index(quality.method), "DIRECTIONS": quality.directions, "STEPS": quality.steps,
             "STRIDE": quality.stride, "SAMPLES": frame.facts.samples,
+            "BENT": int(quality.bent), "FORMAT": FORMATS[quality.bent],
         }  # fmt: skip
         depth = {DEPTH_UNIT: (ctx.texture("depth"), frame.point_sampler)}
         raw, filtered = ctx.texture(VISIBILITY), ctx.texture(FILTERED)

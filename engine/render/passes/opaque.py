@@ -12,6 +12,7 @@ from engine.render.facts import SceneFacts
 from engine.render.frame import RenderFrame
 from engine.render.gbuffer import LAYOUTS, NO_REFLECTION, texture_names
 from engine.render.passes.ambient_occlusion import FILTERED, ambient_inputs
+from engine.render.passes.indirect import INDIRECT, indirect_inputs
 from engine.render.passes.light_culling import LIGHT_TILES, light_list_inputs
 from engine.render.passes.local_shadows import LOCAL_SHADOW, local_shadow_inputs
 from engine.render.passes.shadow_cascades import SUN_MOMENTS, SUN_SHADOW, shadow_inputs
@@ -45,6 +46,7 @@ class OpaquePass(Pass):
         else:
             b.create("hdr", HDR_FORMAT, samples=samples)
         b.read(FILTERED, optional=True)
+        b.read(INDIRECT, optional=True)
         if lighting.path == "forward-plus":
             b.read(LIGHT_TILES)
         if b.facts.depth_first:
@@ -57,7 +59,7 @@ class OpaquePass(Pass):
         lighting = frame.facts.lighting
         background: Any = frame.look["background"]
         batches = frame.draws.opaque
-        inputs = {**shadow_inputs(ctx), **local_shadow_inputs(ctx), **ambient_inputs(ctx)}
+        inputs = {**shadow_inputs(ctx), **local_shadow_inputs(ctx), **ambient_inputs(ctx), **indirect_inputs(ctx)}
         if lighting.deferred:
             colors = [ColorAttachment(ctx.texture(LIGHT_SUM), clear=background)]
             nothing = (float(NO_REFLECTION), 0.0, 0.0, 0.0)
@@ -91,6 +93,7 @@ class OpaqueForwardPass(Pass):
         b.read(SUN_MOMENTS, optional=True)
         b.read(LOCAL_SHADOW, optional=True)
         b.read(FILTERED, optional=True)
+        b.read(INDIRECT, optional=True)
         b.write("hdr")
         b.write("depth")
 
@@ -98,6 +101,6 @@ class OpaqueForwardPass(Pass):
         frame: RenderFrame = ctx.frame
         batches = [batch for batch in frame.draws.opaque if not frame.programs.has_role(batch.state, "gbuffer")]
         depth = DepthAttachment(ctx.texture("depth"))
-        inputs = {**shadow_inputs(ctx), **local_shadow_inputs(ctx), **ambient_inputs(ctx)}
+        inputs = {**shadow_inputs(ctx), **local_shadow_inputs(ctx), **ambient_inputs(ctx), **indirect_inputs(ctx)}
         with ctx.device.render_pass(self.name, [ColorAttachment(ctx.texture("hdr"))], depth) as render_pass:
             frame.draw_batches(render_pass, batches, frame.facts.samples, inputs)

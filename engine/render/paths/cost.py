@@ -37,12 +37,12 @@ class PathCost:
         return self.fixed + self.pixel * m + self.light * k + self.both * m * k
 
 
-#: measured on the atrium with a software rasteriser on two cores, up to 1,024 lights
+#: measured on the sample scenes at 640x360 with a software rasteriser on two cores, up to 1,024 lights
 BUILT_IN: dict[str, PathCost] = {
     "forward": PathCost(1.0, 90.0, 0.0, 25_000.0),
     "deferred": PathCost(1.5, 120.0, 12.0, 740.0),
-    "tiled-deferred": PathCost(3.0, 180.0, 2.0, 290.0),
-    "forward-plus": PathCost(3.0, 170.0, 2.0, 380.0),
+    "tiled-deferred": PathCost(2.0, 135.0, 2.0, 160.0),
+    "forward-plus": PathCost(2.0, 140.0, 2.0, 220.0),
 }
 
 

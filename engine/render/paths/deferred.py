@@ -4,43 +4,47 @@ from __future__ import annotations
 
 from engine.framegraph.passes import Pass
 from engine.render.passes.ambient_occlusion import AmbientOcclusionPass
-from engine.render.passes.auto_exposure import AutoExposurePass
-from engine.render.passes.bloom import BloomPass
+from engine.render.passes.bounces import BouncesPass
+from engine.render.passes.deep_gbuffer import DeepGbufferPass
 from engine.render.passes.depth_prepass import DepthPrepass
-from engine.render.passes.fxaa import FxaaPass
+from engine.render.passes.indirect import IndirectPass
 from engine.render.passes.light_culling import LightCullingPass
 from engine.render.passes.light_heat import LightHeatPass
 from engine.render.passes.light_resolve import LightResolvePass
 from engine.render.passes.light_volumes import LightVolumesPass
 from engine.render.passes.local_shadows import LocalShadowsPass
+from engine.render.passes.motion import LateMotionPass, MotionPass
 from engine.render.passes.opaque import OpaqueForwardPass, OpaquePass
-from engine.render.passes.resolve import ResolvePass
+from engine.render.passes.radiosity import RadiosityPass
 from engine.render.passes.scene_color import SceneColorPass
 from engine.render.passes.shadow_cascades import ShadowCascadesPass
 from engine.render.passes.shadow_moments import ShadowMomentsPass
 from engine.render.passes.sky import SkyPass
 from engine.render.passes.tiled_shading import TiledShadingPass
-from engine.render.passes.tone_map import ToneMapPass
 from engine.render.passes.transparent import TransparentPass
+from engine.render.paths.lens import lens_passes
 
 
 def deferred_passes() -> list[Pass]:
     """Each light's volume is drawn over what it reaches."""
     return [
-        ShadowCascadesPass(), ShadowMomentsPass(), LocalShadowsPass(), DepthPrepass(), AmbientOcclusionPass(),
+        ShadowCascadesPass(), ShadowMomentsPass(), LocalShadowsPass(), DepthPrepass(), MotionPass(),
+        AmbientOcclusionPass(),
+        DeepGbufferPass(), RadiosityPass(), BouncesPass(), IndirectPass(),
         OpaquePass(), LightVolumesPass(),
         LightResolvePass(), OpaqueForwardPass(), SkyPass(), LightCullingPass(),
-        SceneColorPass(), TransparentPass(),
-        LightHeatPass(), AutoExposurePass(), BloomPass(), ResolvePass(), ToneMapPass(), FxaaPass(),
+        LateMotionPass(), SceneColorPass(), TransparentPass(),
+        LightHeatPass(), *lens_passes(),
     ]  # fmt: skip
 
 
 def tiled_deferred_passes() -> list[Pass]:
     """Lists of lights per tile, then one compute pass over the pixels."""
     return [
-        ShadowCascadesPass(), ShadowMomentsPass(), LocalShadowsPass(), DepthPrepass(), AmbientOcclusionPass(),
+        ShadowCascadesPass(), ShadowMomentsPass(), LocalShadowsPass(), DepthPrepass(), MotionPass(),
+        AmbientOcclusionPass(),
+        DeepGbufferPass(), RadiosityPass(), BouncesPass(), IndirectPass(),
         OpaquePass(), LightCullingPass(),
         TiledShadingPass(), OpaqueForwardPass(), SkyPass(),
-        SceneColorPass(), TransparentPass(), LightHeatPass(),
-        AutoExposurePass(), BloomPass(), ResolvePass(), ToneMapPass(), FxaaPass(),
+        LateMotionPass(), SceneColorPass(), TransparentPass(), LightHeatPass(), *lens_passes(),
     ]  # fmt: skip

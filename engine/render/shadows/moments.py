@@ -115,10 +115,12 @@ def hamburger(b: ArrayLike, t: ArrayLike, bias: float) -> F8:
 
 
 def visibility(filter: str, m: ArrayLike, t: ArrayLike, *, c: float, leak: float, precision: str = "single",
-               texel: float = 0.0) -> F8:  # fmt: skip
+               texel: float = 0.0, steep: float = 0.0) -> F8:  # fmt: skip
     """How much of the light reaches a receiver at depth `t` f8[...] past what was blurred into `m` f8[...,4].
 
-    `texel`: width of a texel in depth's unit: a variance less than what one of them spans is none to tell."""
+    `texel`: width of a texel in depth's unit: a variance less than what one of them spans is none to tell. `steep`: the
+    receiver's depth per texel times the square of the blur's radius in texels: where that is large, the mean of
+    evsm4's convex warp over the receiver itself lies beyond it, and bounds nothing."""
     m, t = np.asarray(m, np.float64), np.asarray(t, np.float64)
     floor = ROUNDING[precision]
     if filter == "esm":
@@ -132,5 +134,6 @@ def visibility(filter: str, m: ArrayLike, t: ArrayLike, *, c: float, leak: float
     p = chebyshev(m[..., 0], m[..., 1], up, floor * up * up)
     if filter == "evsm4":
         down = -np.exp(-c * t)
-        p = np.minimum(p, chebyshev(m[..., 2], m[..., 3], down, floor * down * down))
+        convex = min(max(c * steep / 4.0 - 1.0, 0.0), 1.0)
+        p = np.minimum(p, np.maximum(chebyshev(m[..., 2], m[..., 3], down, floor * down * down), convex))
     return without_leak(p, leak)

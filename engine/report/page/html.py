@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import base64
 import io
+import string
 
 from engine.report.page import diagram, tables
+from engine.report.page.scaling import scaling
 from engine.report.page.style import STYLE
 from engine.report.page.text import escape, knobs
 from engine.report.records import Picture, Report, Result
@@ -78,11 +80,23 @@ def _figures(index: int, result: Result) -> str:
         (diagram.convergence, _order_words(result, from_profile=False)),
         (diagram.profile, _order_words(result, from_profile=True)),
     ):
-        drawing = draw(result)
+        drawing = "" if draw is diagram.work_precision and _only_time_differs(result) else draw(result)
         if drawing:
             name = f"Figure {index}{'abc'[len(found)]}."
             found.append(f"<figure>{drawing}<figcaption><b>{name}</b> {words}</figcaption></figure>")
+    for chart in result.charts:
+        drawing = scaling(chart)
+        if drawing:
+            name = f"Figure {index}{string.ascii_lowercase[len(found)]}."
+            words = f"{escape(chart.title)}: medians, bars from quartile to quartile. {escape(chart.note)}"
+            found.append(f"<figure>{drawing}<figcaption><b>{name}</b> {words}</figcaption></figure>")
     return f'<div class="figures">{"".join(found)}</div>' if found else ""
+
+
+def _only_time_differs(result: Result) -> bool:
+    """Whether most settings are exact, and their times have figures of their own: one of errors is a row of rings."""
+    exact = sum(p.error[result.metric] == 0.0 for p in result.points)
+    return bool(result.charts) and 2 * exact > len(result.points)
 
 
 def _work_words(result: Result) -> str:

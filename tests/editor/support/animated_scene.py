@@ -85,9 +85,9 @@ class NullHost(FakeHost):
     def resolve(self, path: Path, progress: Any) -> Resolved:
         return Resolved(path, self.scene)
 
-    def open_runtime(self, device: Any, scene: Path, root: Path | None = None) -> Any:
+    def open_runtime(self, device: Any, scene: Path, root: Path | None = None, base: Path | None = None) -> Any:
         runtime = Runtime(device)
-        runtime.open(scene)
+        runtime.open(scene, base=base)
         return runtime
 
     def view(self, camera: Any, width: int, height: int, settings: Any) -> Any:

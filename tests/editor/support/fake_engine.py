@@ -172,7 +172,7 @@ class FakeHost:
         findings.warn("fake.odd", "something odd", "nodes[0]")
         return Resolved(path, path.with_suffix(".scene.json"), None, "", findings)
 
-    def open_runtime(self, device: Any, scene: Path, root: Path | None = None) -> Any:
+    def open_runtime(self, device: Any, scene: Path, root: Path | None = None, base: Path | None = None) -> Any:
         if "broken" in scene.name:
             raise FormatError("the scene is damaged", where=scene)
         self.runtimes.append(FakeRuntime(self.extra_nodes))

@@ -34,7 +34,7 @@ from engine.render.lighting import PATH_CHOICES  # noqa: E402  (needs the path a
 from engine.scene.lights import LIGHT_TYPES  # noqa: E402  (needs the path above)
 
 IES = "IESNA91\nTILT=NONE\n1 1000 1 3 1 1 2 0 0 0\n1 1 10\n0 45 90\n0\n{}\n"
-PATHS = ("deferred", "tiled-deferred", "forward-plus")
+PATHS = ("forward", "deferred", "tiled-deferred", "forward-plus")
 
 
 def run(folder: Path, show: str) -> dict[str, Any]:

@@ -7,6 +7,7 @@ from __future__ import annotations
 import json
 import os
 import sys
+import time
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,7 @@ from imgui_bundle import imgui  # noqa: E402  (needs the path above)
 from small_scene import write_small_scene  # noqa: E402  (needs the path above)
 from window_run import WindowRun  # noqa: E402  (needs the path above)
 
+from editor.saving import edited_scene  # noqa: E402  (needs the path above)
 from engine.report.image import save_png  # noqa: E402  (needs the path above)
 
 #: an effect whose parameters declare all that a panel can show
@@ -82,7 +84,9 @@ class MaterialsRun:
         self.edit_several()
         self.copy_and_reset()
         self.preview()
+        self.on_one_object()
         self.thumbnails()
+        self.reload()
         self.undo_everything()
 
     def row(self, name: str) -> int:
@@ -199,6 +203,82 @@ class MaterialsRun:
         self.seen["edit_reaches_it"] = bool((self.preview_pixels() != before).any())
         run.shot("preview-edited")
         session.undo()
+
+    def on_one_object(self) -> None:
+        """A parameter of the cube alone, by a drag; the material keeps its own. Then as the material says again."""
+        run, session = self.run, self.session
+        document = session.document
+        assert document is not None
+        cube = self.row("cube")
+        document.select(cube)
+        run.ctx.yield_(4)
+        run.ctx.item_click("//###Inspector/**/###only-object")
+        said, picture = self.params("red")["roughness"], run.picture()
+        count = len(document.history.entries)
+        run.ctx.item_drag_with_delta("//###Inspector/**/roughness/##value", (-70, 0))
+        run.ctx.yield_(3)
+        session.ui.only_object = False
+        run.ctx.item_drag_with_delta("//###Inspector/**/roughness/##value", (-10, 0))
+        run.ctx.yield_(4)
+        own = document.runtime.objects.values(cube, 0)
+        entries = [entry.describe() for entry in document.history.entries[count:]]
+        self.seen["own"] = (list(own), own["roughness"] < said, self.params("red")["roughness"] == said)
+        self.seen["own_entries"] = entries
+        self.seen["own_seen"] = bool((run.picture() != picture).any())
+        run.shot("one-object")
+        saved = edited_scene(document.runtime, document.overrides).nodes[cube].mesh
+        self.seen["own_saved"] = saved is not None and list(saved.overrides[0]) == ["roughness"]
+        run.ctx.item_click("//###Inspector/**/roughness/###reset")
+        run.ctx.yield_(4)
+        self.seen["own_reset"] = (document.runtime.objects.values(cube, 0), bool((run.picture() == picture).all()))
+        session.undo()
+        self.seen["own_undone"] = "roughness" in document.runtime.objects.values(cube, 0)
+        while len(document.history.entries) and document.history.undo_label in (*entries, "Undo"):
+            session.undo()
+
+    def reload(self) -> None:
+        """An edited effect reaches the preview and the thumbnails; a broken one leaves the last picture, with a word."""
+        run, session = self.run, self.session
+        assert session.document is not None
+        file = self.scene.parent / "effects" / "moss.effect.toml"
+        session.document.select(self.row("cube"))
+        session.preview.setup.shape = "ball"
+        session.ui.focus_panel = "Material preview"
+        run.ctx.yield_(8)
+        before, small = self.preview_pixels(), self.small("boxes.red.material.toml")
+
+        def says(text: str) -> None:
+            time.sleep(0.01)  # another time stamp, also where those are coarse
+            file.write_text(text, encoding="utf-8")
+
+        says(MOSS + '[technique]\ngbuffer = false\n[technique.forward]\nfragment = "effects/flat.frag"\n')
+        self.seen["reload_preview"] = run.until(lambda: bool((self.preview_pixels() != before).any()))
+        flat = self.preview_pixels()
+        run.shot("reload-preview")
+        session.ui.focus_panel = "Assets"
+        self.seen["reload_thumbnail"] = run.until(
+            lambda: self.small("boxes.red.material.toml").shape == small.shape
+            and bool((self.small("boxes.red.material.toml") != small).any())
+        )
+        session.ui.focus_panel = "Material preview"
+        says(MOSS + "[technique.forward]\nfragmnt = 3\n")
+        self.seen["broken_badge"] = run.until(lambda: bool(session.shaders.badge))
+        run.ctx.yield_(6)
+        self.seen["broken_keeps"] = bool((self.preview_pixels() == flat).all())
+        run.shot("reload-broken")
+        says(MOSS)
+        self.seen["mended"] = run.until(
+            lambda: not session.shaders.badge and bool((self.preview_pixels() == before).all())
+        )
+
+    def small(self, name: str) -> Any:
+        """The pixels of the newest thumbnail of a file; one black pixel while it is made."""
+        known = self.session.asset_pictures._known  # the panel's own
+        ready = [t for key, t in known.items() if key[0].name == name and t.texture is not None]
+        found: list[Any] = [np.zeros((1, 1, 4), np.uint8)]
+        if ready:
+            self.run.do(lambda: found.append(np.array(ready[-1].texture.read())))
+        return found[-1]
 
     def material(self, name: str) -> int:
         assert self.session.document is not None

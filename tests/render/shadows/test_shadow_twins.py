@@ -29,8 +29,13 @@ def test_constants_agree(name: str, value: float) -> None:
 
 
 def test_the_shader_knows_every_filter() -> None:
-    assert quality.FILTERS == ("none", "pcf", "vogel8", "vogel16", "pcss")
-    assert max(int(n) for n in re.findall(r"SHADOW_FILTER == (\d)", TEXT)) == len(quality.FILTERS) - 1
+    assert quality.FILTERS == (
+        "none", "pcf", "vogel8", "vogel16", "pcss", "poisson8", "poisson16", "poisson24",
+        "esm", "vsm", "evsm2", "evsm4", "msm",
+    )  # fmt: skip
+    assert quality.FILTERS.index("esm") == int(re.findall(r"SHADOW_MOMENTS \(SHADOW_FILTER >= (\d+)\)", TEXT)[0])
+    moments = (shaders_dir() / "lib/shadow_moments.glsl").read_text(encoding="utf-8")
+    assert max(int(n) for n in re.findall(r"SHADOW_FILTER == (\d+)", moments)) == len(quality.FILTERS) - 1
 
 
 def test_all_cascades_that_a_view_may_ask_for_have_room() -> None:

@@ -1,0 +1,119 @@
+"""Replacing the scene under a document as one undoable entry, and what of the session must follow. No imgui."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from editor.commands.command import VIEW_TABLE, Edit
+from editor.commands.replacement import LIMIT, Replacement, Standing, standing
+from editor.tables import SettingsTable, tables_of
+from engine.core.findings import Findings
+
+if TYPE_CHECKING:
+    from editor.document import Document
+    from editor.session import Session
+
+
+def watch(session: Session, document: Document) -> None:
+    """Let the session follow when the scene under `document` becomes another one."""
+    document.on_replaced = lambda: follow(session, document)
+    document.history.on_dropped = lambda edits: release(document, edits)
+    set_view_table(session, document)
+
+
+def set_view_table(session: Session, document: Document) -> None:
+    document.tables[VIEW_TABLE] = SettingsTable(lambda: session.settings)
+
+
+def replace_scene(
+    session: Session,
+    document: Document,
+    scene: Path,
+    label: str,
+    *,
+    findings: Findings | None = None,
+    of_view: bool = False,
+    steps: tuple[Callable[[], None], Callable[[], None]] = (lambda: None, lambda: None),
+    opened_from: Path | None = None,
+    **more: Any,
+) -> None:
+    """Put the scene file `scene` under `document` (in front): one entry. The selection stays where names stay.
+
+    `more`: other fields of Standing, such as `source`. `opened_from`: where the file lies until `steps` have moved it.
+    Raises LucarnaError when it cannot be opened or a step fails; then nothing has changed."""
+    from editor.session import shader_root
+
+    with session.device_frame():
+        runtime = session.host.open_runtime(session.device, opened_from or scene, shader_root(document))
+    try:
+        values = {
+            "source": document.source, "scene_path": scene, "base_path": None, "findings": findings or Findings(),
+            "runtime": runtime, "tables": tables_of(runtime), "overrides": {}, "isolated": None, "locked": set(),
+            "saved_to": document.saved_to, "selection": (), "name": document.name, **more,
+        }  # fmt: skip
+        values["selection"] = _same_names(document, runtime, document.selection)
+        values["locked"] = set(_same_names(document, runtime, sorted(document.locked)))
+        edit = Replacement(standing(document), Standing(values), label, of_view, steps)
+        session.end_gesture()
+        document.history.do(edit)
+    except BaseException:
+        if document.runtime is not runtime:
+            with session.device_frame():
+                runtime.close()
+        raise
+    found = [i for i, e in enumerate(document.history.entries) if isinstance(e, Replacement)]
+    if len(found) > LIMIT:
+        release(document, document.history.forget(found[-LIMIT - 1] + 1))
+
+
+def follow(session: Session, document: Document) -> None:
+    """The scene under `document` is another one now."""
+    set_view_table(session, document)
+    if session.document is not document:
+        return
+    session.image.forget()
+    with session.device_frame():
+        session.thumbnails.forget()
+        session.preview.forget()
+    session.comparing.forget(session)
+    session.forced_cost = session.feature_effects = None
+    session.followed, session.drawing_noted = None, (None, None)
+    session.playback.set_duration(float(document.runtime.duration))
+    session.tools.points.clear()
+    session.ui.rename, session.ui.pick_list = -1, ()
+    document.runtime.scene.update()
+    if session.journal is not None and document.history.listener is not None:
+        session.journal.rebase()
+
+
+def release(document: Document, edits: list[Edit]) -> None:
+    """Close the runtimes that only `edits`, now forgotten, would have brought back."""
+    kept = {id(document.runtime)}
+    for edit in (*document.history.entries, *document.history.undone):
+        if isinstance(edit, Replacement):
+            kept.update(id(r) for r in edit.runtimes)
+    gone = {id(r): r for edit in edits if isinstance(edit, Replacement) for r in edit.runtimes}
+    for key, runtime in gone.items():
+        if key not in kept:
+            runtime.close()
+
+
+def _same_names(document: Document, runtime: Any, rows: Any) -> tuple[int, ...]:
+    """The rows of `runtime` whose paths of names are those of `rows` in the document as it stands."""
+    if not rows:
+        return ()
+    wanted = {path_of(document.runtime.scene.nodes, row) for row in rows}
+    nodes = runtime.scene.nodes
+    alive = [row for row in range(len(nodes.name)) if nodes.alive[row]]
+    return tuple(row for row in alive if path_of(nodes, row) in wanted)
+
+
+def path_of(nodes: Any, row: int) -> str:
+    """`stage/lamp`: the names from the top of the tree down to `row`."""
+    names = []
+    while row >= 0:
+        names.append(str(nodes.name[row]))
+        row = int(nodes.parent[row])
+    return "/".join(reversed(names))

@@ -1,0 +1,72 @@
+"""MotionPrograms: the pipelines that draw how far things moved, by draw state."""
+
+from __future__ import annotations
+
+from engine.gpu.glsl_layout import Field, layout
+from engine.gpu.types import Pipeline
+from engine.materials.effect import Effect
+from engine.materials.features import kept
+from engine.materials.variant import VariantRequest
+from engine.render.blocks import SCENE_PRELUDE
+from engine.render.draw_states import DrawState, arena_streams
+from engine.render.facts import SceneFacts
+from engine.render.frame import RenderFrame
+from engine.render.variant_requests import level_of
+from engine.resources.arena import MeshArena
+
+ROLE = "motion"
+
+BLOCK = layout(
+    [
+        Field("clip_before", "mat4"),  # the world relative to the origin of before -> its clip space
+        Field("before_from_now", "mat4"),  # clip space to clip space
+        Field("jitter", "vec2"),  # pixels
+        Field("still", "float"),  # 1: nothing was where it is not now
+        Field("drawn", "float"),  # 1: what moved is drawn
+        Field("nodes", "uint"),  # rows of now before those of before
+        Field("joints", "uint"),
+        Field("morphs", "uint"),
+    ],
+    rule="std140",
+)
+PRELUDE = BLOCK.block_glsl("PassBlock_motion", 1, "motion") + "\n"
+
+
+def motion_request(
+    state: DrawState, arena: MeshArena, facts: SceneFacts, effect: Effect, index: int = 0
+) -> VariantRequest:
+    """The variant of an effect's technique for motion."""
+    streams = arena_streams(arena, effect, state.features, "depth")
+    return VariantRequest(
+        state.effect, ROLE, kept(effect.active(ROLE, state.features), state.features), arena.attributes(streams),
+        topology=state.topology, cull=state.cull, front_ccw=state.front_ccw, targets=1, prelude=SCENE_PRELUDE + PRELUDE,
+        defines=(("MOTION", 1),), level=level_of(state, facts), index=index,
+    )  # fmt: skip
+
+
+class MotionPrograms:
+    """Asks the effect library once for each; again after a hot reload."""
+
+    def __init__(self) -> None:
+        self._found: dict[tuple[object, ...], Pipeline] = {}
+        self._revision = -1
+
+    def get(self, frame: RenderFrame, state: DrawState, index: int) -> Pipeline:
+        """Magenta's place is empty: what does not compile counts as standing still; the frame's programs keep why."""
+        effects = frame.residency.effects
+        if self._revision != effects.revision:
+            self._found.clear()
+            self._revision = effects.revision
+        key = (
+            state.effect, state.features, state.arena, state.topology, state.cull, state.front_ccw, state.level,
+            frame.facts.quality, frame.facts.samples, index,
+        )  # fmt: skip
+        pipeline = self._found.get(key)
+        if pipeline is None:
+            effect, arena = effects.get(state.effect), frame.residency.arenas[state.arena]
+            request = motion_request(state, arena, frame.facts, effect, index)
+            pipeline, error = effects.of_request(frame.device, request, effect)
+            if error is not None:
+                frame.programs.errors[f"{state.effect} motion: {', '.join(sorted(state.features))}"] = error
+            self._found[key] = pipeline
+        return pipeline

@@ -1,0 +1,83 @@
+"""Light from other surfaces at each pixel: gathered from the layers, mixed with the frames before, and filtered."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+from engine.framegraph.builder import Builder
+from engine.framegraph.passes import WHOLE_PICTURE, Pass, PassContext
+from engine.gpu.types import Buffer, Texture
+from engine.render.facts import SceneFacts
+from engine.render.frame import DEPTH_UNIT, INDIRECT_UNIT, INPUT_UNIT, RenderFrame
+from engine.render.gi.block import block_of
+from engine.render.gi.gather import DEPTHS, LIGHTS, NEAR_FAR, SENT, SHAPES, SIDES, dispatch, gather
+
+#: rgba16f: light over pi; part of the environment's light that is left
+GATHERED, INDIRECT = "indirect_raw", "indirect"
+#: the same, of this frame and those before; rg32f: how far the place is, how many frames are in it
+MIXED, MIXED_STATE = "indirect_mixed", "indirect_state"
+#: debug view -> LAYER_VIEW of indirect_filter.comp, and the second layer's textures there
+LAYER_VIEWS, LAYER_UNITS = {"layer_color": 1, "layer_depth": 2}, {18: SHAPES, 19: LIGHTS, 21: DEPTHS}
+
+
+class IndirectPass(Pass):
+    name: ClassVar[str] = "indirect"
+    reach: ClassVar[int | None] = WHOLE_PICTURE
+
+    def needs(self, facts: SceneFacts) -> bool | str:
+        if facts.indirect.wanted and not facts.indirect.gather:
+            return "only reflections are on"
+        return True if facts.indirect.wanted else facts.indirect.why_not
+
+    def declare(self, b: Builder) -> None:
+        quality = b.facts.indirect
+        for name in ("depth", NEAR_FAR, SIDES, *SENT[: quality.layers], SHAPES[0]):
+            b.read(name)
+        if b.facts.debug_view in LAYER_VIEWS and quality.layers > 1:
+            for names in (DEPTHS, SHAPES, LIGHTS):
+                b.read(names[1])
+        scale = 1.0 / quality.stride
+        b.create(GATHERED, "rgba16f", scale=scale)
+        if quality.smooth:
+            b.create(MIXED, "rgba16f", scale=scale)
+            b.create(MIXED_STATE, "rg32f", scale=scale)
+            b.history(MIXED)
+            b.history(MIXED_STATE)
+        b.create(INDIRECT, "rgba16f")
+
+    def execute(self, ctx: PassContext) -> None:
+        frame: RenderFrame = ctx.frame
+        quality, point = frame.facts.indirect, frame.point_sampler
+        found = ctx.texture(GATHERED)
+        gather(ctx, found, block_of(frame))
+        if quality.smooth:
+            found = self._mixed(ctx, found, block_of(frame, known=not ctx.history_reset(MIXED)))
+        inputs: dict[int, Any] = {
+            DEPTH_UNIT: (ctx.texture("depth"), point), INPUT_UNIT: (found, point),
+            17: (ctx.texture(NEAR_FAR), point),
+        }  # fmt: skip
+        shown = LAYER_VIEWS.get(frame.facts.debug_view, 0) if quality.layers > 1 else 0
+        if shown:
+            inputs |= {unit: (ctx.texture(names[1]), point) for unit, names in LAYER_UNITS.items()}
+        defines = {"SAMPLES": frame.facts.samples, "LAYER_VIEW": shown}
+        out = {1: (ctx.texture(INDIRECT), 0, "write")}
+        dispatch(ctx, "indirect_filter.comp", defines, inputs, out, block_of(frame))
+
+    def _mixed(self, ctx: PassContext, now: Texture, block: Buffer) -> Texture:
+        frame: RenderFrame = ctx.frame
+        mixed = ctx.texture(MIXED)
+        textures = {
+            INPUT_UNIT: now, 17: ctx.texture(NEAR_FAR), 18: ctx.history(MIXED), 19: ctx.history(MIXED_STATE),
+        }  # fmt: skip
+        inputs = {unit: (texture, frame.point_sampler) for unit, texture in textures.items()}
+        out = {1: (mixed, 0, "write"), 2: (ctx.texture(MIXED_STATE), 0, "write")}
+        dispatch(ctx, "indirect_temporal.comp", {}, inputs, out, block)
+        return mixed
+
+
+def indirect_inputs(ctx: PassContext) -> dict[int, Any]:
+    """The light for surface shaders, by texture unit; nothing where the frame has none."""
+    if not ctx.has(INDIRECT):
+        return {}
+    frame: RenderFrame = ctx.frame
+    return {INDIRECT_UNIT: (ctx.texture(INDIRECT), frame.point_sampler)}

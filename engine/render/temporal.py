@@ -1,0 +1,35 @@
+"""Temporal anti-aliasing: how many frames a picture is gathered from, and which of them a frame is."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from engine.gpu.types import Caps
+from engine.render.motion.jitter import pixel_jitter
+from engine.render.settings import LIT_LOOK
+from engine.render.view import View
+
+if TYPE_CHECKING:
+    from engine.render.motion.frame import FrameMotion
+
+
+def taa_wanted(view: View, caps: Caps) -> bool:
+    """With one sample a pixel, in views of light: values are no thing to mix."""
+    settings = view.settings
+    one = caps.samples_for(settings.samples) == 1
+    return settings.antialias == "taa" and one and settings.shading_view in LIT_LOOK
+
+
+def jitter_of(view: View, motion: FrameMotion) -> tuple[float, float]:
+    """Pixels that this frame of a TAA view is shifted by."""
+    return pixel_jitter(motion.frames, int(view.settings.taa_frames))
+
+
+def gathered(view: View, caps: Caps) -> list[View]:
+    """The frames to make for one picture that depends on nothing but the scene: the view itself, or for TAA a run of
+    `taa_frames` that begins with a cut, with time standing still."""
+    if view.seconds is not None or not taa_wanted(view, caps):
+        return [view]
+    key = ("gathered", view.key)
+    return [replace(view, seconds=0.0, key=key, cut=index == 0) for index in range(int(view.settings.taa_frames))]

@@ -1,0 +1,56 @@
+// What the layers hold for light that is gathered or mirrored, in all sizes.
+#include "lib/deep_layers.glsl"
+
+layout(binding = 10) uniform sampler2D t_depths;
+layout(binding = 17) uniform sampler2D t_sides;
+layout(binding = 18) uniform sampler2D t_sent0;
+layout(binding = 19) uniform sampler2D t_sent1;
+layout(binding = 20) uniform usampler2D t_shape;
+
+// A texel of `level`, and the one of the full size that it stands for.
+ivec2 texel_of(ivec2 texel, int level, out ivec2 whole)
+{
+    ivec2 at = min(texel >> level, textureSize(t_depths, level) - 1);
+    whole = whole_texel(at, level);
+    return at;
+}
+
+vec3 sent_by(ivec2 at, int level, int layer)
+{
+    return layer == 0 ? texelFetch(t_sent0, at, level).rgb : texelFetch(t_sent1, at, level).rgb;
+}
+
+vec3 side_of(ivec2 at, int level, int layer)
+{
+    vec4 sides = texelFetch(t_sides, at, level);
+    return unpack_side(layer == 0 ? sides.xy : sides.zw);
+}
+
+// Pixels of the view that a metre across it covers at distance d along its axis.
+float view_pixels_per_metre(float d)
+{
+    float half_height = length(view.place_y.xyz) * (view.camera.w > 0.5 ? max(d, 1e-30) : 1.0);
+    return 0.5 * view.size.y / half_height;
+}
+
+// A place in a pattern of 4 x 4 pixels, 0 to 15, far from those beside it (Bayer 1973).
+int pattern(ivec2 pixel)
+{
+    int x = pixel.x & 3;
+    int y = pixel.y & 3;
+    int z = x ^ y;
+    return ((y >> 1) & 1) | (z & 2) | ((y & 1) << 2) | ((z & 1) << 3);
+}
+
+vec3 shape_normal(uvec2 shape, vec3 v)
+{
+    if (shape.x == 0x80008000u) return v;
+    vec2 p = unpackSnorm2x16(shape.x);
+    vec3 n = vec3(p, 1.0 - abs(p.x) - abs(p.y));
+    vec2 side = vec2(p.x >= 0.0 ? 1.0 : -1.0, p.y >= 0.0 ? 1.0 : -1.0);
+    if (n.z < 0.0) n.xy = (1.0 - abs(n.yx)) * side;
+    n = safe_normalize(n);
+    // a normal map may turn a surface away from whom sees it
+    float facing = dot(n, v);
+    return facing < 0.05 ? safe_normalize(n + (0.05 - facing) * v) : n;
+}

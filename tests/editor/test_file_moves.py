@@ -1,0 +1,131 @@
+"""Files that move under open documents: references follow, undo brings every byte and every earlier edit back."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from real_session import opened, real_session
+from small_scene import write_small_scene
+
+from editor import file_moves, journal, recovering, tabs
+from editor.builtin_operations import builtin_operations
+from editor.session import Session
+from engine.assets.scene_json import read_scene
+
+
+@pytest.fixture
+def project(tmp_path: Path) -> Path:
+    root = tmp_path / "game"
+    write_small_scene(root / "scenes")
+    (root / "project.toml").write_text('[project]\nname = "Game"\nstart = "scenes/boxes.scene.json"\n')
+    (root / "notes").mkdir()
+    (root / "notes/todo.txt").write_text("paint")
+    return root
+
+
+@pytest.fixture
+def session(tmp_path: Path) -> Iterator[Session]:
+    session = real_session(tmp_path / "recovery")
+    yield session
+    session.close_all()
+
+
+def everything(root: Path) -> dict[str, bytes]:
+    return {p.relative_to(root).as_posix(): p.read_bytes() for p in root.rglob("*") if p.is_file()}
+
+
+def test_a_material_moves_under_an_open_scene_and_undo_brings_all_of_it_back(session: Session, project: Path) -> None:
+    document = opened(session, project / "scenes/boxes.scene.json")
+    session.edit("nodes", "visible", (1,), (False,), label="Hide plinth")
+    assert session.save()
+    before = everything(project)
+    old, new = project / "scenes/boxes.red.material.toml", project / "materials/red.material.toml"
+    assert builtin_operations().run("file.move", session, old=old, new=new)
+    assert not session.ui.error_bar
+    assert new.is_file()
+    mesh = read_scene(project / "scenes/boxes.scene.json").nodes[2].mesh
+    assert mesh is not None
+    assert mesh.materials == ["../materials/red.material.toml"]
+    residency = document.runtime.residency
+    assert new in {Path(residency.material(m).path).resolve() for m in range(2)}
+    assert not document.dirty, "nothing is left to save"
+    session.undo()
+    assert everything(project) == before
+    assert not document.runtime.scene.nodes.visible[1]
+    session.undo()
+    assert document.runtime.scene.nodes.visible[1], "edits from before are undone as ever"
+    session.redo()
+    session.redo()
+    assert new.is_file()
+    assert not document.runtime.scene.nodes.visible[1]
+
+
+def test_the_scene_itself_and_files_that_it_does_not_use(session: Session, project: Path) -> None:
+    document = opened(session, project / "scenes/boxes.scene.json")
+    runtime = document.runtime
+    assert file_moves.move(session, project / "notes/todo.txt", project / "notes/done.txt")
+    assert document.runtime is runtime, "the scene has nothing to do with it"
+    assert file_moves.move(session, project / "scenes", project / "levels")
+    assert document.scene_path == project / "levels/boxes.scene.json"
+    session.edit("nodes", "visible", (1,), (False,))
+    assert session.save()
+    assert not read_scene(project / "levels/boxes.scene.json").nodes[1].visible
+    for _ in range(3):
+        session.undo()
+    assert (project / "notes/todo.txt").is_file()
+    assert document.scene_path == project / "scenes/boxes.scene.json"
+
+
+def test_unsaved_changes_and_clashes_are_said_and_nothing_moves(session: Session, project: Path) -> None:
+    opened(session, project / "scenes/boxes.scene.json")
+    red, grey = (project / f"scenes/boxes.{n}.material.toml" for n in ("red", "grey"))
+    assert not file_moves.move(session, red, grey)
+    assert "already" in session.ui.error_bar
+    session.edit("nodes", "visible", (1,), (False,))
+    before = everything(project)
+    assert not file_moves.move(session, red, project / "scenes/crimson.material.toml")
+    assert "save it first" in session.ui.error_bar
+    assert everything(project) == before
+
+
+def test_a_tab_behind_follows_too(session: Session, project: Path) -> None:
+    behind = opened(session, project / "scenes/boxes.scene.json")
+    (project / "other").mkdir()
+    write_small_scene(project / "other")
+    front = opened(session, project / "other/boxes.scene.json")
+    red = project / "scenes/boxes.red.material.toml"
+    assert file_moves.move(session, red, project / "scenes/crimson.material.toml")
+    paths = {Path(r.path).name for r in map(behind.runtime.residency.material, range(2))}
+    assert paths == {"crimson.material.toml", "boxes.grey.material.toml"}
+    assert session.document is front
+    session.undo()
+    paths = {Path(r.path).name for r in map(behind.runtime.residency.material, range(2))}
+    assert paths == {"boxes.red.material.toml", "boxes.grey.material.toml"}
+    assert not behind.dirty
+    tabs.step(session, 1)
+    assert session.document is behind
+
+
+def test_edits_round_a_move_survive_a_crash(session: Session, project: Path, tmp_path: Path) -> None:
+    opened(session, project / "scenes/boxes.scene.json")
+    session.edit("nodes", "translation", (2,), ((1.0, 2.0, 3.0),))
+    assert session.save()
+    assert file_moves.move(session, project / "scenes", project / "levels")
+    session.edit("nodes", "name", (1,), ("base",))
+    session.undo()
+    session.undo()
+    session.undo()  # the very first edit, from before the move
+    session.edit("materials", "roughness", (0,), (0.125,))
+    recovering.leave(session)
+    again = real_session(tmp_path / "again")
+    (left,) = journal.pending(tmp_path / "recovery")
+    assert recovering.recover(again, left), again.ui.error_bar
+    document = again.document
+    assert document is not None
+    assert document.scene_path == project / "scenes/boxes.scene.json"
+    assert document.runtime.scene.nodes.name[1] == "plinth"
+    assert document.runtime.scene.nodes.translation[2].tolist() == [0.0, 0.0, 0.0]
+    assert document.runtime.residency.material(0).asset.params["roughness"] == 0.125
+    again.close_all()

@@ -1,0 +1,14 @@
+"""A small slice of the fuzzer of operations; the whole is `python -m tests.fuzz.operations`."""
+
+from __future__ import annotations
+
+from tests.fuzz.operations import fuzz
+
+
+def test_random_operations_undo_and_kills() -> None:
+    outcome = fuzz(240, seed=7, every=60)
+    assert not outcome.failures, outcome.failures[0]
+    assert outcome.operations >= 240
+    assert outcome.kills >= 3
+    assert outcome.restored >= 1
+    assert sum(outcome.counts.values()) >= 200, "the walk was counted"
