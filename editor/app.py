@@ -9,7 +9,7 @@ from typing import Any
 
 from imgui_bundle import hello_imgui, imgui
 
-from editor import dropping, file_drop, keys, layout, menus, recovering, theme, turntable
+from editor import dropping, file_drop, keys, layout, layout_slots, menus, recovering, theme, turntable
 from editor.dialogs import Dialogs
 from editor.dialogs.modals import draw_error_bar
 from editor.operations import Operations
@@ -17,8 +17,11 @@ from editor.panels.base import Panel
 from editor.panels.registry import make_panels
 from editor.panels.report import drop_context
 from editor.panels.viewport import ViewportPanel
+from editor.plugins.manager import PluginManager
+from editor.plugins.windows import draw_windows
 from editor.preferences import layout_path
 from editor.session import Session
+from editor.strings import doors
 from editor.ui import Ui
 from editor.waking import waker
 from engine.core.errors import DeviceError, LucarnaError
@@ -43,8 +46,11 @@ class App:
         frames: int = 0,
         remember_layout: bool = True,
         null_platform: bool = False,
+        plugins: bool = True,
     ) -> None:
         self.ui = Ui(session, operations)
+        self.ui.plugins = self.plugins = PluginManager(session, operations, active=plugins)
+        self._language = "en"
         self.panels = make_panels()
         self.dialogs = Dialogs()
         self.frames = frames
@@ -88,7 +94,10 @@ class App:
         w.show_menu_bar, w.show_menu_app, w.show_menu_view = True, False, False
         w.show_status_bar, w.show_status_fps, w.remember_status_bar_settings = True, False, False
         w.remember_theme = False
-        p.docking_params = layout.docking_params(self.panels, self._panel_function)
+        current = layout.named(self.ui.session.preferences.workspace)
+        self._layouts = {w.name: layout.docking_params(self.panels, self._panel_function, w) for w in layout.WORKSPACES}
+        p.docking_params = self._layouts[current.name]
+        p.alternative_docking_layouts = [x for name, x in self._layouts.items() if name != current.name]
         p.ini_disable = not remember_layout
         if remember_layout:
             layout_path().parent.mkdir(parents=True, exist_ok=True)
@@ -100,11 +109,12 @@ class App:
         p.fps_idling.enable_idling = self.frames == 0
         c = p.callbacks
         c.load_additional_fonts = self._load_fonts
-        c.setup_imgui_style = lambda: theme.apply(self.ui.session.preferences.ui_scale)
+        c.setup_imgui_style = self._style
         c.setup_imgui_config = self._configure
         c.post_init = self._post_init
         c.show_menus = lambda: menus.draw_menu_bar(self.ui)
         c.show_status = lambda: menus.draw_status_bar(self.ui)
+        c.pre_new_frame = self._arrange
         c.post_new_frame = self._begin_frame
         c.post_render_dockable_windows = self._end_frame
         c.before_exit = self._before_exit
@@ -151,9 +161,10 @@ class App:
         else:
             self._drop = file_drop.install(_glfw_window(), self.dropped)
             session.shaders.wake = waker() or session.shaders.wake
-            session.asset_pictures.wake = session.shaders.wake
+            session.asset_pictures.wake = session.sources.wake = session.shaders.wake
         if session.device is None:
             session.device = session.host.open_device(attach=not self.null_platform)
+        self.plugins.start()
 
     def dropped(self, paths: list[Path]) -> None:
         """Files were dropped on the window."""
@@ -161,17 +172,28 @@ class App:
 
     # --- the frame ---
 
+    def _speak(self, language: str) -> None:
+        """Another language for the interface, at once; windows keep their places."""
+        self._language = language
+        doors.apply(language)
+        for panel, window in zip(self.panels, self.params.docking_params.dockable_windows, strict=True):
+            window.label = panel.label
+
     def _begin_frame(self) -> None:
         session = self.ui.session
         io = imgui.get_io()
         self.ui.pixel_scale = max(float(io.display_framebuffer_scale.x), 1e-3)
         session.poll()
+        self.plugins.poll()
+        if session.preferences.language != self._language:
+            self._speak(session.preferences.language)
         session.interacting = not self.frames and self._interacting(io)
         session.tick(min(float(io.delta_time), 0.25))
         turntable.step(session, float(io.delta_time))
         keys.run_shortcuts(self.ui, flying=self.panel(ViewportPanel).flying)
         self._requests()
-        working = session.job is not None or session.work is not None or session.image.compiling is not None
+        jobs = (session.job, session.importing, session.work, session.image.compiling)
+        working = any(job is not None for job in jobs)
         waits = session.image.settling or session.comparing.waiting or session.comparing.held
         waits = waits or session.tools.turning or session.look_card.waiting
         waits = waits or session.image.rehearsing is not None
@@ -216,6 +238,7 @@ class App:
     def _end_frame(self) -> None:
         session = self.ui.session
         draw_error_bar(self.ui, imgui.get_frame_height() * 2.6)
+        draw_windows(self.ui, self.plugins)
         self.dialogs.draw(self.ui)
         if not imgui.is_any_item_active() and not imgui.is_mouse_down(imgui.MouseButton_.left):
             session.end_gesture()
@@ -237,14 +260,40 @@ class App:
         if requests.focus_panel:
             self._show_panel(requests.focus_panel)
             requests.focus_panel = ""
+        if requests.workspace:
+            self._switch(requests.workspace)
+            requests.workspace = ""
         if requests.reset_layout:
             requests.reset_layout = False
+            workspace = layout.named(self.ui.session.preferences.workspace)
             for panel, window in zip(self.panels, self.params.docking_params.dockable_windows, strict=True):
-                window.is_visible = panel.opened
+                window.is_visible = workspace.opens(panel)
             self.params.docking_params.layout_reset = True
         if requests.scale_changed:
             requests.scale_changed = False
-            theme.apply(self.ui.session.preferences.ui_scale)
+            self._style()
+
+    def _switch(self, name: str) -> None:
+        """Arrange the panels as a workspace has them."""
+        preferences = self.ui.session.preferences
+        if name == preferences.workspace or self.null_platform:
+            preferences.workspace = name
+            return
+        preferences.workspace = name
+        hello_imgui.switch_layout(name)
+        self.ui.session.remember()
+
+    def _arrange(self) -> None:
+        """Between two frames: keep the arrangement in a slot, or take it from one."""
+        requests = self.ui.session.ui
+        if requests.layout_slot is not None and self.ui.drawn:
+            request, requests.layout_slot = requests.layout_slot, None
+            requests.notice = layout_slots.run(request, self.params.docking_params.dockable_windows)
+
+    def _style(self) -> None:
+        preferences = self.ui.session.preferences
+        theme.use(preferences.theme)
+        theme.apply(preferences.ui_scale)
 
     def _show_panel(self, title: str) -> None:
         """Open the panel of that title and bring it to the front."""
@@ -272,6 +321,7 @@ class App:
         if self.failure is not None:  # a defect must cost no edits
             recovering.leave(session)
         session.shaders.stop()
+        session.sources.stop()
         session.asset_pictures.stop()
         session.close_all()
         session.asset_pictures.forget(session)

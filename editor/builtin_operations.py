@@ -12,11 +12,14 @@ from editor.comparing.operations import add_compare_operations
 from editor.direct_operations import add_direct_operations
 from editor.document_operations import add_document_operations
 from editor.editing_operations import add_editing_operations
+from editor.layout_operations import add_layout_operations
 from editor.looks import add_look_operations
+from editor.import_operations import add_import_operations
 from editor.material_operations import add_material_operations
 from editor.navigation import PRESETS
 from editor.operations import Operation, Operations, always
 from editor.session import Session
+from editor.strings import LANGUAGES
 from editor.surroundings import add_surroundings_operations
 from editor.turntable import add_turntable_operations
 from engine.render.settings import DEBUG_VIEWS, VIEW_LEGENDS
@@ -136,6 +139,14 @@ def _keymap(preset: str) -> tuple[Callable[[Session], None], Callable[[Session],
         return session.preferences.keymap == preset
 
     return run, checked
+
+
+def _language(code: str) -> tuple[Callable[[Session], None], Callable[[Session], bool]]:
+    def run(session: Session) -> None:
+        session.preferences.language = code
+        session.remember()
+
+    return run, lambda session: session.preferences.language == code
 
 
 def _scale(step: float) -> Callable[[Session], None]:
@@ -353,7 +364,6 @@ def builtin_operations() -> Operations:
     add("view.scale-up", "Larger interface", _scale(0.1), "Ctrl+=", menu="View", separator=True)
     add("view.scale-down", "Smaller interface", _scale(-0.1), "Ctrl+-", menu="View")
     add("view.scale-reset", "Normal interface size", _scale(0.0), "Ctrl+0", menu="View")
-    add("view.reset-layout", "Reset layout", _ask("reset_layout"), menu="View")
     add("view.reset-settings", "Reset render settings", Session.reset_settings, menu="View", enabled=doc)
 
     keys = [*map(str, range(1, 10)), *(f"Shift+{k}" for k in range(1, 10)), "Shift+0"]
@@ -363,6 +373,10 @@ def builtin_operations() -> Operations:
         id = f"view.show-{name.replace('_', '-')}"
         add(id, label, run, keys[i], menu="View", enabled=enabled, checked=checked, separator=i == 0,
             about=VIEW_LEGENDS.get(name, ""))  # fmt: skip
+    for name in [name for name in DEBUG_VIEWS if name not in DEBUG_KEYS]:  # there are no more keys of their kind
+        run, enabled, checked = _debug_view(name)
+        add(f"view.show-{name.replace('_', '-')}", f"Show {name.replace('_', ' ')}", run, menu="View",
+            enabled=enabled, checked=checked, about=VIEW_LEGENDS.get(name, ""))  # fmt: skip
 
     add("view.check-numbers", "Check numbers", numbers.toggle, menu="View", enabled=_checks_numbers,
         checked=numbers.checking, separator=True, about="Look for NaN and infinities in every pass")  # fmt: skip
@@ -415,11 +429,21 @@ def builtin_operations() -> Operations:
         run, checked = _keymap(preset)
         first = preset == "industry"
         add(f"help.keymap-{preset}", f"Keymap: {preset}", run, menu="Help", checked=checked, separator=first)
+    for code, name in LANGUAGES.items():
+        run, checked = _language(code)
+        add(f"help.language-{code}", f"Language: {name}", run, menu="Help", checked=checked, separator=code == "en")
+    add("help.preferences", "Preferences…", _show_panel("Preferences"), "Ctrl+,", menu="Edit", separator=True,
+        about="Keys, language, size of the interface")  # fmt: skip
+    add("help.plugins", "Plug-ins…", _show_panel("Plug-ins"), menu="Help", separator=True,
+        about="Which there are, and what went wrong with them")  # fmt: skip
+    add("help.reload-plugins", "Load plug-ins again", _ask("reload_plugins"), menu="Help")
     add("help.about", "About Lucarna", _ask("about"), menu="Help", separator=True)
     add_material_operations(ops)
     add_editing_operations(ops)
     add_document_operations(ops)
+    add_import_operations(ops)
     add_compare_operations(ops)
+    add_layout_operations(ops)
     add_look_operations(ops)
     add_surroundings_operations(ops)
     add_turntable_operations(ops)

@@ -15,6 +15,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--screenshot", type=Path, metavar="PNG", help="write a picture of the whole window and exit")
     parser.add_argument("--frames", type=int, default=12, metavar="N", help="frames to draw before it (default 12)")
     parser.add_argument("--size", default="1440x900", metavar="WxH", help="size of the window (default 1440x900)")
+    parser.add_argument("--no-plugins", action="store_true", help="start without plug-ins")
     parser.add_argument("--select", default="", metavar="NAME", help="select the node of this name once it is open")
 
 
@@ -55,7 +56,8 @@ def run(args: argparse.Namespace) -> int:
         session.recovery_folder = journal.recovery_dir()
         session.ui.recoveries = journal.pending()
     app = App(
-        session, builtin_operations(), size=size, frames=args.frames if picture else 0, remember_layout=not picture
+        session, builtin_operations(), size=size, frames=args.frames if picture else 0, remember_layout=not picture,
+        plugins=not args.no_plugins,
     )
     if args.path is not None:
         session.open(args.path)

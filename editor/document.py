@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from editor.bookmark_table import BOOKMARKS, BookmarkTable, of_asset
+from editor.camera_controls import OrbitCamera
 from editor.commands.command import Command, Edit
 from editor.commands.history import History
 from editor.commands.lights import follow_drifts
@@ -32,6 +34,9 @@ class Document:
         self.scene_path = resolved.scene
         self.project_root = resolved.project_root
         self.findings = resolved.findings
+        #: the source that the scene was imported from, and what the import card says of it
+        self.imported_from = resolved.imported_from
+        self.news: Any = None
         self.runtime = runtime
         self.tables = tables_of(runtime)
         self.history = History(self._write)
@@ -46,7 +51,8 @@ class Document:
         #: the rows that showed before isolating, or None
         self.isolated: dict[int, bool] | None = None
         #: camera bookmarks by number
-        self.bookmarks: dict[int, Any] = {}
+        self.bookmarks: dict[int, OrbitCamera] = of_asset(runtime.asset)
+        self.tables[BOOKMARKS] = BookmarkTable(self.bookmarks)
         #: the script line of the operation that runs now, or '' (see editor.scripting)
         self.doing = ""
         #: where this document was saved in this session, or None
@@ -81,7 +87,7 @@ class Document:
         """Set `column` of `rows` to `values` as one undoable command (see History for `gesture`)."""
         command = make_command(self.tables, table, column, rows, values, label)
         if not command.of_view:
-            pairs = ((part, row) for part in column.split(",") for row in command.rows)
+            pairs = ((part, row) for part in command.column.split(",") for row in command.rows)
             unsaid = tuple((part, row) for part, row in pairs if (table, part, row) not in self.overrides)
             command = replace(command, unsaid=(unsaid, ()))
         self.history.do(command, gesture)

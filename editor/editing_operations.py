@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from editor import scripting
+from editor.bookmarks import add_bookmark_operations
 from editor.commands import structure
 from editor.document import Document
 from editor.operations import Operation, Operations, always
@@ -20,7 +20,6 @@ from engine.core.errors import LucarnaError
 
 Run = Callable[[Session], None]
 Test = Callable[[Session], bool]
-BOOKMARKS = 4
 AREA_KINDS = ("rectangle", "disk")
 #: kind -> lux that a fresh light gives at what is looked at
 LIGHTS = {"point": 3.0, "spot": 6.0, "directional": 1.2, "rectangle": 4.0, "disk": 4.0}
@@ -69,11 +68,7 @@ def add_editing_operations(ops: Operations) -> None:
     add("tool.measure", "Measure", _toggle_measure, "M", menu="View", separator=True,
         checked=lambda s: s.tools.measuring, about="Click two points: their distance in metres")  # fmt: skip
 
-    for number in range(1, BOOKMARKS + 1):
-        add(f"view.bookmark-{number}", f"Go to bookmark {number}", _recall(number), f"Alt+{number}", menu="View",
-            enabled=_has_bookmark(number), separator=number == 1)  # fmt: skip
-    for number in range(1, BOOKMARKS + 1):
-        add(f"view.set-bookmark-{number}", f"Set bookmark {number}", _store(number), f"Ctrl+Alt+{number}", menu="View")
+    add_bookmark_operations(ops)
     for title in ("History", "Frame graph", "Textures", "Console"):
         add(f"view.panel-{title.lower().replace(' ', '-')}", f"Show {title.lower()}", _show(title), enabled=always)
     add("file.copy-command", "Copy as command", _copy_command, "Ctrl+Shift+C", menu="File", separator=True,
@@ -222,23 +217,6 @@ def _toggle_measure(session: Session) -> None:
     session.tools.points.clear()
 
 
-def _store(number: int) -> Run:
-    def run(session: Session) -> None:
-        if session.document is not None:
-            session.document.bookmarks[number] = session.camera
-            session.ui.notice = f"Bookmark {number} set"
-
-    return run
-
-
-def _recall(number: int) -> Run:
-    def run(session: Session) -> None:
-        if session.document is not None and number in session.document.bookmarks:
-            session.camera = session.document.bookmarks[number]
-
-    return run
-
-
 def _copy_command(session: Session) -> None:
     from editor.as_command import render_command
 
@@ -269,14 +247,6 @@ def _has_selection(session: Session) -> bool:
 
 def _has_locked(session: Session) -> bool:
     return session.document is not None and bool(session.document.locked)
-
-
-def _has_bookmark(number: int) -> Test:
-    def enabled(session: Session) -> bool:
-        document: Any = session.document
-        return document is not None and number in document.bookmarks
-
-    return enabled
 
 
 def _isolated(session: Session) -> bool:

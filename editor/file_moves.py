@@ -46,7 +46,8 @@ def move(session: Session, old: Path, new: Path, root: Path | None = None) -> bo
     except LucarnaError as error:
         session.fail(error)
         return False
-    session.ui.notice = f"{label}: {len(planned.references)} references follow"
+    count = len(planned.references)
+    session.ui.notice = f"{label}: {count} reference{'s follow' if count != 1 else ' follows'}"
     rewritten = [p.relative_to(planned.root).as_posix() for p in planned.rewritten]
     more = f"; rewritten: {', '.join(rewritten)}" if rewritten else "; nothing refers to it"
     session.messages.info(f"{label}{more}", where=str(planned.new))
@@ -71,9 +72,10 @@ def _take(
     if front in concerned:
         source, scene = (planned.files.get(p, p) for p in (front.source, front.scene_path))
         saved = planned.files.get(front.saved_to, front.saved_to) if front.saved_to is not None else None
+        name = source.name if front.name == front.source.name else front.name
         replacing.replace_scene(
-            session, front, scene, label, findings=front.findings, of_view=True, steps=(forth, back),
-            source=source, saved_to=saved, name=source.name if front.name == front.source.name else front.name,
+            session, front, scene, label, findings=front.findings, of_view=True, steps=(forth, back), source=source,
+            saved_to=saved, imported_from=_moved(front.imported_from, planned.files), name=name,
         )  # fmt: skip
     else:
         front.history.do(FileStep(label, (forth, back)))
@@ -112,7 +114,12 @@ def _read_anew(session: Session, document: Document, files: Mapping[Path, Path],
     replacing.replace_scene(
         session, document, files.get(document.scene_path, document.scene_path), label, findings=document.findings,
         of_view=True, source=files.get(document.source, document.source),
+        imported_from=_moved(document.imported_from, files),
     )  # fmt: skip
+
+
+def _moved(path: Path | None, files: Mapping[Path, Path]) -> Path | None:
+    return files.get(path, path) if path is not None else None
 
 
 def _concerns(document: Document, planned: Move, found: list[Reference]) -> bool:

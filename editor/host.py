@@ -31,6 +31,8 @@ class Resolved:
     project_root: Path | None = None
     project_name: str = ""
     findings: Findings = field(default_factory=Findings)
+    #: the source that the scene was made from, where there is one
+    imported_from: Path | None = None
 
 
 class Runtime(Protocol):

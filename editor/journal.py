@@ -74,7 +74,6 @@ class Journal:
             self._count = len(history.entries)
             return  # `rebase` has written down what stands now; files are no part of it
         what, edit = self._as_replayed(what, edit)
-        history = self.document.history
         line: dict[str, Any] = {"e": what, "n": len(history.entries), "dirty": history.dirty}
         if edit is not None:
             line["c"] = edit_to_plain(edit)
@@ -327,20 +326,22 @@ def _since_rebased(path: Path) -> list[tuple[int, dict[str, Any]]]:
 def _summary(path: Path) -> Recovery | None:
     """What the prompt says of a journal, by its last whole line; None for a file that is none."""
     header: dict[str, Any] | None = None
-    edits, dirty = 0, False
+    edits, dirty, rebased = 0, False, 0
     try:
         for _, line in _lines(path):
             if header is None:
                 if line.get("lucarna-journal") != VERSION:
                     return None
                 header = line
+            elif line.get("e") == "rebased":
+                header, rebased, dirty = {**header, **line}, int(line["base"]), True
             elif "e" in line:
                 edits, dirty = int(line.get("n", edits + 1)), bool(line.get("dirty", True))
         if header is None:
             return None
         return Recovery(
             path, str(header["name"]), Path(header["source"]), Path(header["scene"]),
-            Path(header["root"]) if header["root"] else None, path.stat().st_mtime, edits, dirty,
+            Path(header["root"]) if header["root"] else None, path.stat().st_mtime, edits, dirty, rebased,
         )  # fmt: skip
     except (OSError, KeyError, TypeError, ValueError):
         return None

@@ -1,15 +1,19 @@
-"""Where the panels stand at first, and where their places are kept."""
+"""Where the panels stand: workspaces to switch between, each remembered as the user arranges it, and three slots to keep
+an arrangement in."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 
 from imgui_bundle import hello_imgui, imgui
 
 from editor.panels.base import Panel
 
+Split = tuple[str, str, imgui.Dir, float]
+
 #: (space to split, new space, side, share of it)
-SPLITS = (
+SPLITS: tuple[Split, ...] = (
     ("MainDockSpace", "Right", imgui.Dir.right, 0.245),
     ("MainDockSpace", "Left", imgui.Dir.left, 0.21),
     ("Left", "LeftBottom", imgui.Dir.down, 0.42),
@@ -20,17 +24,66 @@ SPLITS = (
 DOCKS = ("MainDockSpace", *(split[1] for split in SPLITS))
 
 
-def docking_params(panels: Sequence[Panel], draw: Callable[[Panel], Callable[[], None]]) -> hello_imgui.DockingParams:
-    """The default layout with `draw(panel)` as each window's content."""
+@dataclass(frozen=True, slots=True)
+class Workspace:
+    """`docks`: panels that stand elsewhere than they say; `shown`, `hidden`: others than those open at first; `front`:
+    the panels whose tabs are in front."""
+
+    name: str
+    doc: str
+    splits: tuple[Split, ...] = SPLITS
+    docks: Mapping[str, str] = field(default_factory=dict)
+    shown: tuple[str, ...] = ()
+    hidden: tuple[str, ...] = ()
+    front: tuple[str, ...] = ()
+
+    def opens(self, panel: Panel) -> bool:
+        return panel.title in self.shown or (panel.opened and panel.title not in self.hidden)
+
+
+def _shares(**shares: float) -> tuple[Split, ...]:
+    """SPLITS with other shares of the new spaces."""
+    return tuple((space, new, side, shares.get(new, share)) for space, new, side, share in SPLITS)
+
+
+WORKSPACES = (
+    Workspace("Edit", "Tree, viewport, inspector, log"),
+    Workspace(
+        "Animate", "A timeline over half the window; blending, states and masks beside it",
+        _shares(Bottom=0.5, BottomRight=0.36, Left=0.17, LeftBottom=0.3, Right=0.22),
+        shown=("Blend space", "State graph", "Masks"), hidden=("Variants", "Console"), front=("Timeline", "Blend space"),
+    ),
+    Workspace(
+        "Shade", "The shader editor beside the picture, the material preview below",
+        _shares(Left=0.16, Bottom=0.3, Right=0.22), shown=("Shader editor",), front=("Shader editor", "Material preview"),
+    ),
+    Workspace(
+        "Review", "The picture large: comparing, timings, frame graph",
+        _shares(Left=0.13, Right=0.2, Bottom=0.22, BottomRight=0.55), shown=("Compare",), front=("Compare", "Log"),
+    ),
+)  # fmt: skip
+
+
+def docking_params(
+    panels: Sequence[Panel], draw: Callable[[Panel], Callable[[], None]], workspace: Workspace = WORKSPACES[0]
+) -> hello_imgui.DockingParams:
+    """A workspace with `draw(panel)` as each window's content."""
     params = hello_imgui.DockingParams()
-    params.docking_splits = [hello_imgui.DockingSplit(*split) for split in SPLITS]
+    params.layout_name = workspace.name
+    params.docking_splits = [hello_imgui.DockingSplit(*split) for split in workspace.splits]
     windows = []
     for panel in panels:
-        assert panel.dock in DOCKS, f"{panel.title}: no dock {panel.dock}"
-        window = hello_imgui.DockableWindow(panel.label, panel.dock, draw(panel), panel.opened, panel.closable)
+        dock = workspace.docks.get(panel.title, panel.dock)
+        assert dock in DOCKS, f"{panel.title}: no dock {dock}"
+        window = hello_imgui.DockableWindow(panel.label, dock, draw(panel), workspace.opens(panel), panel.closable)
         window.include_in_view_menu = False
         window.call_begin_end = panel.padded
         windows.append(window)
     params.dockable_windows = windows
     params.main_dock_space_node_flags = imgui.DockNodeFlags_.none
     return params
+
+
+def named(name: str) -> Workspace:
+    """The workspace of that name; the first where there is none (a file of another version)."""
+    return next((w for w in WORKSPACES if w.name == name), WORKSPACES[0])

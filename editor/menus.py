@@ -7,12 +7,13 @@ from pathlib import Path
 from imgui_bundle import hello_imgui, imgui
 
 from editor import icons, numbers, theme
+from editor.keys import shown_shortcut
 from editor.navigation import hints
 from editor.operations import Operation
 from editor.ui import Ui
 from editor.widgets import em, text, tooltip
 
-MENUS = ("File", "Edit", "Add", "View", "Compare", "Playback", "Shaders", "Help")
+MENUS = ("File", "Edit", "Add", "View", "Compare", "Playback", "Shaders", "Window", "Help")
 
 
 def draw_menu_bar(ui: Ui) -> None:
@@ -22,7 +23,7 @@ def draw_menu_bar(ui: Ui) -> None:
                 _item(ui, operation)
                 if operation.id == "file.open":
                     _recent(ui)
-            if name == "View":
+            if name == "Window":
                 _panels()
             imgui.end_menu()
     _title(ui)
@@ -37,7 +38,8 @@ def _item(ui: Ui, operation: Operation) -> None:
         what = history.undo_label if operation.id == "edit.undo" else history.redo_label
         label = f"{label}: {what}" if what else label
     checked = operation.checked(session) if operation.checked is not None else False
-    key = operation.shortcuts[0] if operation.shortcuts else ""
+    keys = ui.operations.keys_of(operation)
+    key = shown_shortcut(keys[0]) if keys else ""
     if imgui.menu_item(f"{label}###{operation.id}", key, checked, operation.enabled(session))[0]:
         ui.operations.run(operation.id, session)
     if operation.doc:

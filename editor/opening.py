@@ -41,7 +41,17 @@ def resolve_path(path: Path, progress: Progress, extensions: Sequence[str]) -> R
         start = pick_from_folder(path, extensions)
     progress(f"Importing {start.name}", -1.0)
     scene, findings = scene_for(start, settings=ImportSettings(), progress=progress)
-    return Resolved(path, Path(scene), root, name, findings)
+    return Resolved(path, Path(scene), root, name, findings, _source_of(start))
+
+
+def _source_of(start: Path) -> Path | None:
+    """The source that a scene comes from: the file itself, or what the record beside the scene says."""
+    if not start.name.endswith(".scene.json"):
+        return start.resolve()
+    from importers.reimport.record import read_record
+
+    record = read_record(start)
+    return record.source if record is not None and record.source.is_file() else None
 
 
 def scene_stem(path: Path) -> str:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import difflib
 import random
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -57,6 +57,9 @@ class Operations:
     def __init__(self) -> None:
         self._by_id: dict[str, Operation] = {}
         self._by_shortcut: dict[str, str] = {}
+        #: operation -> keys in the place of its own (see editor.keymap)
+        self._rebound: dict[str, tuple[str, ...]] = {}
+        self._in_use: dict[str, str] | None = None
         #: lines of a script for what was run, the newest last
         self.log: deque[str] = deque(maxlen=LOG_LIMIT)
         #: grows with every line
@@ -70,6 +73,7 @@ class Operations:
             assert shortcut not in self._by_shortcut, f"{shortcut} is taken by {self._by_shortcut[shortcut]}"
             self._by_shortcut[shortcut] = operation.id
         self._by_id[operation.id] = operation
+        self._in_use = None
 
     def __iter__(self) -> Iterator[Operation]:
         return iter(self._by_id.values())
@@ -85,6 +89,7 @@ class Operations:
         operation = self._by_id.pop(id)
         for shortcut in operation.shortcuts:
             self._by_shortcut.pop(shortcut, None)
+        self._in_use = None
 
     def run(self, id: str, session: Session, **given: Any) -> bool:
         """Run an operation by id; False when it is not enabled now. Raises UsageError for an unknown id and for
@@ -107,8 +112,22 @@ class Operations:
         return True
 
     def shortcuts(self) -> dict[str, str]:
-        """Shortcut -> operation id."""
-        return dict(self._by_shortcut)
+        """Shortcut -> operation id, as in use; what was bound anew goes before what an operation has by itself."""
+        if self._in_use is None:
+            own = {k: o.id for o in self for k in o.shortcuts if o.id not in self._rebound}
+            self._in_use = own | {k: id for id, keys in self._rebound.items() for k in keys if id in self._by_id}
+        return dict(self._in_use)
+
+    def keys_of(self, operation: Operation) -> tuple[str, ...]:
+        """The keys that run it now."""
+        taken = self.shortcuts()
+        keys = self._rebound.get(operation.id, operation.shortcuts)
+        return tuple(key for key in keys if taken.get(key) == operation.id)
+
+    def rebind(self, keys: Mapping[str, tuple[str, ...]]) -> None:
+        """Operation -> its keys, for those that have others than their own."""
+        self._rebound = dict(keys)
+        self._in_use = None
 
     def menu(self, name: str) -> list[Operation]:
         return [o for o in self if o.menu == name]

@@ -15,6 +15,7 @@ from engine.core.errors import OutputError
 from engine.core.paths import user_config_dir
 
 RECENT_LIMIT = 12
+THEMES = ("dark", "high-contrast")
 
 
 @dataclass(slots=True)
@@ -24,6 +25,9 @@ class Preferences:
     recent: list[str] = field(default_factory=list)
     keymap: str = "industry"
     ui_scale: float = 1.0
+    theme: str = "dark"
+    #: the arrangement of panels in use, one of layout.WORKSPACES
+    workspace: str = "Edit"
     welcome_seen: bool = False
     show_axes: bool = True
     show_stats: bool = True
@@ -37,12 +41,22 @@ class Preferences:
     #: while nothing happens, make the programs of the other render paths and debug views
     prepare_views: bool = True
     fly_speed: float = 1.0
+    #: import sources again when they change; show the card of an import
+    reimport: bool = True
+    import_card: bool = True
     #: the assets panel: tree, list or grid; how large its pictures are, imgui units; which sorts show ("" = all)
     assets_view: str = "tree"
     assets_size: float = 88.0
     assets_sort: str = ""
     #: how the material preview is set up (see editor.preview.PreviewSetup)
     preview: dict[str, Any] = field(default_factory=dict)
+    #: auto (as the system), or one of editor.strings.LANGUAGES
+    language: str = "auto"
+    #: shortcuts that differ from the preset's: operation -> its keys (see editor.keymap)
+    shortcuts: dict[str, Any] = field(default_factory=dict)
+    #: plug-ins that the user switched off, by name, and projects whose own may run
+    plugins_off: list[str] = field(default_factory=list)
+    trusted_projects: list[str] = field(default_factory=list)
 
     def add_recent(self, path: Path) -> None:
         text = str(path.resolve())
@@ -76,6 +90,8 @@ def load(path: Path | None = None) -> Preferences:
     preferences.recent = [p for p in preferences.recent if isinstance(p, str)][:RECENT_LIMIT]
     if not 0.5 <= preferences.ui_scale <= 3.0:
         preferences.ui_scale = 1.0
+    if preferences.theme not in THEMES:
+        preferences.theme = THEMES[0]
     if not 24.0 <= preferences.assets_size <= 192.0:
         preferences.assets_size = 88.0
     if not 0.001 <= preferences.fly_speed <= 1000.0:

@@ -51,7 +51,8 @@ def replace_scene(
         values = {
             "source": document.source, "scene_path": scene, "base_path": None, "findings": findings or Findings(),
             "runtime": runtime, "tables": tables_of(runtime), "overrides": {}, "isolated": None, "locked": set(),
-            "saved_to": document.saved_to, "selection": (), "name": document.name, **more,
+            "saved_to": document.saved_to, "selection": (), "name": document.name,
+            "imported_from": document.imported_from, "news": document.news, **more,
         }  # fmt: skip
         values["selection"] = _same_names(document, runtime, document.selection)
         values["locked"] = set(_same_names(document, runtime, sorted(document.locked)))

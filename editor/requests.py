@@ -32,6 +32,10 @@ class UiRequests:
     help: bool = False
     about: bool = False
     reset_layout: bool = False
+    #: a workspace to switch to, and ("save" | "load", slot) of an arrangement to keep or to take
+    workspace: str = ""
+    layout_slot: tuple[str, int] | None = None
+    reload_plugins: bool = False
     quit: bool = False
     focus_panel: str = ""
     toggle_panel: str = ""
@@ -47,6 +51,8 @@ class UiRequests:
     recoveries: list[Recovery] = field(default_factory=list)
     #: node row whose name the tree should edit, or -1
     rename: int = -1
+    #: show what is known of the import of the document in front
+    import_card: bool = False
     #: a file of the project to rename or move
     rename_asset: Path | None = None
     #: rows under the pointer to choose from

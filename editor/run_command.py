@@ -24,6 +24,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="say what was done as JSON on stdout")
     parser.add_argument("--log", action="store_true", help="say each operation on stderr as it is done")
     parser.add_argument("--no-plugins", action="store_true", help="without plug-ins")
+    parser.add_argument(
+        "--trust-plugins", action="store_true", help="run the plug-ins of a project that is opened, without being asked"
+    )
     parser.add_argument("arguments", nargs=argparse.REMAINDER, help="for the script, as sys.argv[1:]")
 
 
@@ -33,6 +36,7 @@ def run(args: argparse.Namespace) -> int:
         hint = "" if args.script.exists() else "the script comes before its arguments: lucarna run SCRIPT ARGS"
         raise UsageError(f"{args.script} is no file", hint=hint)
     from editor.builtin_operations import builtin_operations
+    from editor.plugins.manager import PluginManager
     from editor.script_run import ScriptRun, headless_session
 
     session = headless_session(gpu=args.gpu)
@@ -40,6 +44,9 @@ def run(args: argparse.Namespace) -> int:
     if args.log:
         operations.listener = lambda line: print(f"> {line}", file=sys.stderr)
     going = ScriptRun(session, operations)
+    plugins = PluginManager(session, operations, active=not args.no_plugins)
+    plugins.start()
+    going.after = lambda: _project_plugins(plugins, trusted=args.trust_plugins)
     stdout, error, code = sys.stdout, None, 0
     if args.json:
         sys.stdout = sys.stderr  # what the script prints is not for the machine
@@ -60,6 +67,16 @@ def run(args: argparse.Namespace) -> int:
     if error is not None:
         raise error
     return code
+
+
+def _project_plugins(plugins: Any, *, trusted: bool) -> None:
+    """Take up those of the project that is open now."""
+    plugins.poll()
+    if plugins.asking is not None and trusted:
+        plugins.trust(always=False)
+    elif plugins.asking is not None:
+        plugins.decline()
+        print("lucarna: this project's plug-ins were not run; --trust-plugins runs them", file=sys.stderr)
 
 
 def _told(session: Any, operations: Any, error: LucarnaError | None, code: int) -> dict[str, Any]:

@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from editor.bookmark_table import BOOKMARKS, save_to
 from editor.commands.lights import DRIFTS
 from editor.document import Document
 from editor.material_editing import parent_values
@@ -67,6 +68,7 @@ def save_document(document: Document, target: Path) -> list[Path]:
     written: list[Path] = []
     written += _carry_profiles(asset, target_dir)
     if source_dir != target_dir:
+        asset = _reached_from(asset, source_dir, target_dir)
         for reference in sorted(set(_references(asset, source_dir))):
             if _copy(source_dir / reference, target_dir / reference):
                 written.append(target_dir / reference)
@@ -95,8 +97,21 @@ def save_document(document: Document, target: Path) -> list[Path]:
                 changes[key] = _beside(str(found), out.parent)
         update_material(out, changes)
         written.append(out)
+    from editor.reimporting import save_record
+
     write_scene(target, asset)
-    return [*dict.fromkeys(written), target]
+    return [*dict.fromkeys([*written, *save_record(document, target)]), target]
+
+
+def _reached_from(asset: SceneAsset, source_dir: Path, target_dir: Path) -> SceneAsset:
+    """`asset` with references that leave its folder as they are from `target_dir`; the others go along."""
+    from importers.reimport.merging import rebased
+
+    named = [asset.environment.path, asset.animation, *asset.clips]
+    for node in asset.nodes:
+        named += [node.mesh.file, *node.mesh.materials] if node.mesh is not None else []
+        named += [node.light.profile] if node.light is not None else []
+    return rebased(asset, source_dir, target_dir, known={n for n in named if _inside(n)})
 
 
 def edited_scene(runtime: Any, overrides: Mapping[tuple[str, str, int], Any]) -> SceneAsset:
@@ -120,6 +135,8 @@ def edited_scene(runtime: Any, overrides: Mapping[tuple[str, str, int], Any]) ->
                 setattr(camera, column, value)
         elif table in {"environment", "look"}:
             setattr(getattr(asset, table), column, value)
+        elif table == BOOKMARKS:
+            save_to(asset, row, value)
     return asset
 
 
@@ -152,6 +169,9 @@ def _restructured(scene: Any, base: SceneAsset, overrides: Mapping[tuple[str, st
     for (table, column, row), value in overrides.items():
         if table == "nodes" and row in of_file:
             _apply_to_node(asset.nodes[index_of[row]], column, value)
+    for (table, _column, row), value in overrides.items():
+        if table == BOOKMARKS:
+            save_to(asset, row, value)
     return asset
 
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 import sys
 import time
 import traceback
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
@@ -37,6 +37,8 @@ class ScriptRun:
     def __init__(self, session: Session, operations: Operations) -> None:
         self.session, self.operations = session, operations
         self.errors = _errors(session)
+        #: called when an operation is done, before what went wrong is told
+        self.after: Callable[[], None] = lambda: None
         self.names = script_names(session, operations, self.finish)
 
     def finish(self) -> None:
@@ -51,6 +53,7 @@ class ScriptRun:
                 session.job.wait(0.02)
             time.sleep(0.0)
         session.end_gesture()
+        self.after()
         session.playback.playing = False
         self._refuse_dialogs()
         failure, session.failure = session.failure, None

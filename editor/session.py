@@ -7,7 +7,7 @@ from collections.abc import Callable, Hashable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from editor import dropping, recovering, replacing, saving, tabs, work
+from editor import dropping, recovering, reimporting, replacing, saving, tabs, work
 from editor.animating import following
 from editor.animating.view import AnimatingView
 from editor.commands.command import VIEW_TABLE
@@ -46,6 +46,7 @@ class Session(Looking):
         self.asset_pictures.pump(self)
         work.step(self)
         self._take_over()
+        reimporting.poll(self)
         dropping.go_on(self)
 
     def _take_over(self) -> None:
@@ -104,6 +105,7 @@ class Session(Looking):
         self.preferences.add_recent(document.source)
         self.remember()
         recovering.start(self, document)
+        reimporting.welcome(self, document)
 
     def close(self, *, keep_empty: bool = False) -> None:
         """Close the document in front, if any, without asking; the next tab comes to the front, unless `keep_empty`."""

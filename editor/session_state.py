@@ -24,6 +24,7 @@ from editor.opening import OpenJob
 from editor.playback import Playback
 from editor.preferences import Preferences
 from editor.preview import Preview
+from editor.reimporting import ImportJob, SourceWatch
 from editor.requests import UiRequests
 from editor.tabs import Tab
 from editor.thumbnails import Thumbnails
@@ -67,6 +68,9 @@ class SessionState:
     ui: UiRequests = field(default_factory=UiRequests)
     code: CodeFiles = field(default_factory=CodeFiles)
     shaders: ShaderWatch = field(default_factory=ShaderWatch)
+    #: the source of the document in front, and another import of it that is being made
+    sources: SourceWatch = field(default_factory=SourceWatch)
+    importing: ImportJob | None = None
     width: int = 1280
     height: int = 720
     save_preferences: bool = True

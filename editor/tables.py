@@ -119,7 +119,9 @@ class AnimationTable:
                 self._runtime.pose_again()
             elif value:
                 name = self._runtime.animation.file if self._runtime.animation is not None else "animation"
-                self._runtime.set_animation(value, name)
+                # an edit of the text, or its undo, does not change that the clips play
+                stands_by = self._runtime.animation is not None and self._runtime.drive == "clips"
+                self._runtime.set_animation(value, name, drive="clips" if stands_by else "")
             else:
                 self._runtime.set_drive("clips")
                 self._runtime.animation = None

@@ -42,6 +42,26 @@ FILL_ACTIVE = rgb("#4f7aa8")
 #: bars of the timings panel, in order; apart in hue and lightness, and told apart by their labels too
 SERIES = tuple(rgb(c) for c in ("#5b9bd5", "#e9a94a", "#79c07a", "#c77dd1", "#e57361", "#58bfb6", "#b3b84a", "#9a8ce0"))
 
+#: what the other themes change; the rest is as above
+THEMES: dict[str, dict[str, Rgba]] = {
+    "high-contrast": {
+        "BACKGROUND": rgb("#000000"), "PANEL": rgb("#000000"), "RAISED": rgb("#1c1c1c"), "FRAME": rgb("#000000"),
+        "FRAME_HOVER": rgb("#333333"), "FRAME_ACTIVE": rgb("#4d4d4d"), "BUTTON": rgb("#262626"),
+        "BUTTON_HOVER": rgb("#404040"), "BORDER": rgb("#b8b8b8"), "TEXT": rgb("#ffffff"), "DIM": rgb("#e6e6e6"),
+        "FAINT": rgb("#c4c4c4"), "ACCENT": rgb("#ffd600"), "ACCENT_DIM": rgb("#ffd600", 0.45),
+        "SELECTION": rgb("#0a5bd3", 0.95), "SELECTION_HOVER": rgb("#0a5bd3", 0.6), "INFO": rgb("#8fd0ff"),
+        "WARNING": rgb("#ffd600"), "ERROR": rgb("#ff8a80"), "GOOD": rgb("#7dff8a"), "FILL": rgb("#0a5bd3"),
+        "FILL_ACTIVE": rgb("#3b82f6"),
+    },
+}  # fmt: skip
+_DARK: dict[str, Rgba] = {name: globals()[name] for name in THEMES["high-contrast"]}
+
+
+def use(name: str) -> None:
+    """Make a theme's colours this module's; `apply` brings them to imgui. Unknown ones are the dark one."""
+    globals().update(_DARK | THEMES.get(name, {}))
+
+
 FONT_SIZE = 15.0
 
 

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from editor.keymap import Keymap
 from editor.operations import Operations
+from editor.plugins.manager import PluginManager
 from editor.session import Session
 from editor.theme import Fonts
 
@@ -20,6 +22,11 @@ class Ui:
     drawn: int = 0
     #: in which frame the viewport was last drawn
     viewport_at: int = -1
+    plugins: PluginManager | None = None
+    keymap: Keymap = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.keymap = Keymap(self.operations, self.session.preferences)
 
     def keep_live(self) -> None:
         """Where the viewport lies behind another panel: make its picture, if anything in it changed."""

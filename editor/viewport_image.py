@@ -40,7 +40,7 @@ class ViewportImage:
         self.error = ""
         self.width = 0
         self.height = 0
-        #: the exposure is getting used to the picture: the same state gives another picture yet
+        #: the exposure is getting used to the picture, or frames are gathered: the same state gives another picture yet
         self.settling = False
         self.clock: Callable[[], float] = time.perf_counter
         self._shown_at: float | None = None
@@ -104,15 +104,18 @@ class ViewportImage:
                 self.rehearsing = (rehearsal.done, rehearsal.total)
 
     def _timed(self, view: Any) -> Any:
-        """The view with the time since the last picture; without, where there is none that an eye has got used to."""
-        if getattr(view.settings, "auto_exposure", False) and self._shown_at is not None:
-            view.seconds = self.clock() - self._shown_at
+        """The view with the time since the last picture, where pictures depend on those before; without, where there is
+        none that an eye has got used to."""
+        if getattr(view.settings, "takes_time", False):
+            view.seconds = None if self._shown_at is None else self.clock() - self._shown_at
+            if view.seconds is None and not view.settings.auto_exposure:
+                view.seconds = 0.0
         return view
 
     def _settle(self, frame: Any, *, changed: bool) -> None:
         """Whether one more picture is wanted, although nothing else has changed."""
         facts = getattr(frame, "facts", None)
-        if not getattr(facts, "auto_exposure", False):
+        if not (getattr(facts, "auto_exposure", False) or getattr(facts, "motion", False)):
             self._shown_at, self.settling = None, False
             return
         first, self._shown_at = self._shown_at is None, self.clock()

@@ -194,7 +194,7 @@ def scene_for(
 
 def clear() -> None:
     """Remove all converted scenes and encoded textures."""
-    for name in ("converted", "textures", "opened"):
+    for name in ("converted", "textures", "opened", "merged"):
         shutil.rmtree(user_cache_dir() / name, ignore_errors=True)
 
 

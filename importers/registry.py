@@ -108,21 +108,28 @@ _PARTS = {
 )  # fmt: skip
 
 
+def all_importers() -> tuple[Importer, ...]:
+    """Our own, then those of plug-ins: theirs never read what ours do."""
+    from importers.plugin_importers import plugin_importers
+
+    return (*IMPORTERS, *plugin_importers())
+
+
 def source_extensions(*, in_folders: bool = False) -> tuple[str, ...]:
     """All extensions that some importer reads, lower case; with `in_folders` those that folders are searched for."""
-    return tuple(e for importer in IMPORTERS if importer.in_folders or not in_folders for e in importer.extensions)
+    return tuple(e for importer in all_importers() if importer.in_folders or not in_folders for e in importer.extensions)
 
 
 def find_importer(path: Path) -> Importer:
     """The importer for `path`. Raises FormatError, naming what can be read, where there is none."""
     extension, name = path.suffix.lower(), path.name.lower()
-    for importer in IMPORTERS:
+    for importer in all_importers():
         if name.endswith(importer.extensions):
             return importer
     if path.is_file():
         with path.open("rb") as file:
             head = file.read(4096)
-        for importer in IMPORTERS:
+        for importer in all_importers():
             if importer.sniff(head):
                 return importer
     what = extension or "files without an extension"

@@ -15,7 +15,8 @@ class Dialogs:
     """All of them, with their state."""
 
     def __init__(self) -> None:
-        from editor.dialogs import cards, choose, files, modals, palette, pick_list, recovery, rename_asset
+        from editor.dialogs import cards, choose, files, import_card, modals, palette, pick_list, recovery, rename_asset
+        from editor.plugins import windows as plugin_windows
 
         self.parts = (
             files.FileDialog(saving=False),
@@ -30,6 +31,8 @@ class Dialogs:
             recovery.RecoveryModal(),
             pick_list.PickList(),
             rename_asset.RenameAsset(),
+            import_card.ImportCard(),
+            plugin_windows.TrustModal(),
             modals.Notice(),
         )
 

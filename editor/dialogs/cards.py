@@ -8,6 +8,7 @@ from imgui_bundle import imgui
 
 from editor import icons, theme
 from editor.dialogs.modals import begin_card, center_next_window
+from editor.keys import shown_shortcut
 from editor.navigation import PRESETS, hints
 from editor.ui import Ui
 from editor.widgets import bold, em, pretty, property_grid, property_text, text
@@ -104,13 +105,13 @@ class HelpCard:
         _hint_table(ui, "gestures")
         imgui.separator()
         if imgui.begin_table("shortcuts", 4, imgui.TableFlags_.sizing_stretch_prop):
-            rows = [o for o in ui.operations if o.shortcuts]
+            rows = [o for o in ui.operations if ui.operations.keys_of(o)]
             half = -(-len(rows) // 2)
             for i in range(half):
                 imgui.table_next_row()
                 for operation in rows[i::half]:
                     imgui.table_next_column()
-                    text("  ".join(operation.shortcuts), theme.ACCENT)
+                    text("  ".join(map(shown_shortcut, ui.operations.keys_of(operation))), theme.ACCENT)
                     imgui.table_next_column()
                     imgui.text_unformatted(operation.label)
             imgui.end_table()

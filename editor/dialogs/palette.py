@@ -5,6 +5,7 @@ from __future__ import annotations
 from imgui_bundle import imgui
 
 from editor import icons, theme
+from editor.keys import shown_shortcut
 from editor.operations import Operation
 from editor.ui import Ui
 from editor.widgets import em, text
@@ -41,7 +42,7 @@ class Palette:
         chosen: Operation | None = None
         first = max(0, self.index - ROWS + 1)
         for i, operation in enumerate(found[first : first + ROWS], first):
-            if self._row(operation, i == self.index):
+            if self._row(ui, operation, i == self.index):
                 chosen = operation
         if not found:
             text("No operation of that name is available now", theme.DIM)
@@ -53,7 +54,7 @@ class Palette:
         if chosen is not None:
             ui.operations.run(chosen.id, ui.session)
 
-    def _row(self, operation: Operation, selected: bool) -> bool:
+    def _row(self, ui: Ui, operation: Operation, selected: bool) -> bool:
         start = imgui.get_cursor_pos_x()
         clicked = bool(imgui.selectable(f"##{operation.id}", selected)[0])
         imgui.same_line(start)
@@ -61,7 +62,7 @@ class Palette:
             text(f"{operation.menu}  ", theme.FAINT)
             imgui.same_line(0, 0)
         text(operation.label)
-        keys = "   ".join(operation.shortcuts)
+        keys = "   ".join(map(shown_shortcut, ui.operations.keys_of(operation)))
         if keys:
             imgui.same_line(imgui.get_window_width() - imgui.calc_text_size(keys).x - em(1.0))
             text(keys, theme.DIM)

@@ -355,13 +355,13 @@ def _draw_picture(entry: Entry, found: Thumbnail, at: tuple[float, float], size:
 
 
 def asset_root(ui: Ui) -> Path | None:
-    """The project's folder, or the folder of the opened file, or None."""
+    """The folder of the project around what is open, else the folder of the opened file; None with nothing open."""
     document = ui.session.document
     if document is None:
         return None
     if document.project_root is not None:
         return document.project_root
-    return document.source if document.source.is_dir() else document.source.parent
+    return document.source if document.source.is_dir() else project_root(document.source)
 
 
 PANEL = AssetsPanel

@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from typing import ClassVar
 
+from editor.strings import tr
 from editor.ui import Ui
 
 #: drag payload of a file from the assets panel; which one: session.ui.dragged
@@ -26,7 +27,8 @@ class Panel(ABC):
     @property
     def label(self) -> str:
         """The window's label; the part after ### is its identity."""
-        return f"{self.icon}  {self.title}###{self.title}" if self.icon else self.title
+        shown = tr(self.title)
+        return f"{self.icon}  {shown}###{self.title}" if self.icon else f"{shown}###{self.title}"
 
     @abstractmethod
     def draw(self, ui: Ui) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from imgui_bundle import imgui
 
-from editor import tabs
+from editor import tabs, theme
 from editor.ui import Ui
 from editor.widgets import em, tooltip
 
@@ -20,8 +20,11 @@ def draw(ui: Ui) -> None:
         return
     flags = imgui.TabBarFlags_.fitting_policy_scroll | imgui.TabBarFlags_.reorderable
     imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + em(0.3))
-    if not imgui.begin_tab_bar("##documents", flags):
+    shown = imgui.begin_tab_bar("##documents", flags | imgui.TabBarFlags_.draw_selected_overline)
+    if not shown:
         return
+    imgui.push_style_color(imgui.Col_.tab_selected, imgui.ImVec4(*theme.FRAME))
+    imgui.push_style_color(imgui.Col_.tab_selected_overline, imgui.ImVec4(*theme.ACCENT))
     raise_it = _shown[0] is not session.document
     chosen, closed = -1, -1
     for index, tab in enumerate(session.tabs):
@@ -40,6 +43,7 @@ def draw(ui: Ui) -> None:
         if not stays:
             closed = index
     imgui.end_tab_bar()
+    imgui.pop_style_color(2)
     _shown[0] = session.document
     if closed >= 0:
         tabs.show(session, closed)

@@ -37,17 +37,18 @@ _FIELDS = (
     Param("width", "float", 1.0, 0.0, unit="m", doc="Along the node's X; the node's scale changes nothing"),
     Param("height", "float", 1.0, 0.0, unit="m", doc="Along the node's Y"),
     Param("two_sided", "bool", False, doc="Shine to the back, too"),
-    Param("casts_shadow", "bool", False, doc="Things hide its light (costs a depth map, six for a point light)"),
+    Param("casts_shadow", "bool", False, doc="Things hide its light (costs a depth map, six but for a spot)"),
+    Param("radius", "float", 0.0, 0.0, unit="m", doc="Of what shines: the larger, the softer its shadows away from things"),
 )
 FIELDS = {f.name: dataclasses.replace(f, default=getattr(LightAsset(), f.name)) for f in _FIELDS}
 FIELDS["type"] = dataclasses.replace(FIELDS["type"], default="point")
 #: what each kind has besides its brightness
 OF_KIND: dict[str, tuple[str, ...]] = {
     "directional": (),
-    "point": ("range", "casts_shadow", "profile"),
-    "spot": ("range", "inner_angle", "outer_angle", "casts_shadow", "profile"),
-    "rectangle": ("range", "width", "height", "two_sided"),
-    "disk": ("range", "width", "height", "two_sided"),
+    "point": ("range", "casts_shadow", "radius", "profile"),
+    "spot": ("range", "inner_angle", "outer_angle", "casts_shadow", "radius", "profile"),
+    "rectangle": ("range", "width", "height", "two_sided", "casts_shadow"),
+    "disk": ("range", "width", "height", "two_sided", "casts_shadow"),
 }
 #: unit -> what it says
 UNIT_DOCS = {

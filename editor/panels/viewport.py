@@ -244,7 +244,7 @@ class ViewportPanel(Panel):
     def _fly(self, ui: Ui, camera: OrbitCamera, seconds: float) -> OrbitCamera:
         move = [0.0, 0.0, 0.0]
         for key, (right, up, forward) in FLY_KEYS.items():
-            if imgui.is_key_down(getattr(imgui.Key, key)):
+            if imgui.is_key_down(getattr(imgui.Key, letter_at(key))):
                 move = [move[0] + right, move[1] + up, move[2] + forward]
         speed = ui.session.preferences.fly_speed * camera.distance * (3.0 if imgui.get_io().key_shift else 1.0)
         return camera_controls.fly(camera, (move[0], move[1], move[2]), speed * min(seconds, 0.1))

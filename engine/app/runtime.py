@@ -103,8 +103,10 @@ class Runtime:
         `baker` gives the baked file of an environment image or sky (importers.opening has one). `root`: the folder of
         the project that it belongs to, whose effects and shaders go before the built-in ones. `base`: a file with
         the scene as it once was, to be opened in its place and with its neighbours."""
-        asset = read_scene(base or path)
+        notes = Findings(str(path))
+        asset = refresh(read_scene(base or path), path.parent, notes, (path.absolute(),))
         self.load(asset, path.parent, path, baker=baker, shaders=shader_folders(root or path.parent))
+        self.findings.items.extend(notes.items)
 
     def load(
         self, asset: SceneAsset, base: Path, path: Path | None = None, *, baker: Baker | None = None,
@@ -190,6 +192,37 @@ class Runtime:
         self._add_morphs(asset, files)
         for finding in self.residency.findings:
             self.findings.items.append(finding)
+
+    def add_nodes(self, nodes: list[NodeAsset], base: Path, parent: int = -1) -> NDArray[np.int64]:
+        """Add nodes to the open scene, with all that hangs on them; returns their rows. Parents and joints are numbers
+        in `nodes`, files relative to `base`; a node without a parent hangs below the row `parent`."""
+        scene = self.scene
+        rows = scene.nodes.add_many(
+            [n.name for n in nodes],
+            [parent if n.parent < 0 else -1 for n in nodes],
+            np.array([n.translation for n in nodes], np.float64),
+            np.array([n.rotation for n in nodes], np.float64),
+            np.array([n.scale for n in nodes], np.float64),
+            batch_parents=[n.parent for n in nodes],
+        )
+        for node, row in zip(nodes, rows.tolist(), strict=True):
+            scene.sources[row] = node
+            if node.matrix is not None:
+                scene.nodes.set_matrix(row, np.array(node.matrix, np.float64).reshape(4, 4).T)
+            if node.light is not None:
+                scene.lights.add(row, node.light)
+            if node.camera is not None:
+                scene.cameras.add(row, node.camera)
+        scene.nodes.set_visible(rows, [n.visible for n in nodes])
+        kept, known = self.node_rows, len(self.findings.items)
+        self.node_rows = rows
+        try:
+            self._add_instances(SceneAsset("", nodes), base)
+        finally:
+            self.node_rows = kept
+        self.findings.items[known:] = [f for f in self.findings.items[known:] if f not in self.findings.items[:known]]
+        scene.update()
+        return rows
 
     def _add_skins(self, asset: SceneAsset, files: dict[str, list[int]]) -> None:
         reach: dict[int, NDArray[np.float64]] = {}

@@ -72,7 +72,10 @@ class Record(Generic[T]):
             if default is dataclasses.MISSING or item != default:
                 try:
                     record = self.nested.get(name)
-                    data[name] = self.checks[name](plain_lists(item)) if record is None else record.write(item)
+                    if record is None:
+                        data[name] = self.checks[name](plain_lists(item))
+                    else:
+                        data[name] = [record.write(i) for i in item] if isinstance(item, list) else record.write(item)
                 except Bad as bad:
                     raise bad.under(name) from None
         return data

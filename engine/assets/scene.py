@@ -33,8 +33,9 @@ class LightAsset:
     ellipse); `two_sided` lets it shine along +Z too. `range`: where the light ends, from the light's nearest point;
     0 = nowhere. `temperature` (kelvin, 0 = none) multiplies the colour by that of a black body of the same luminance.
     `profile`: path of an IES file, relative to the scene file, that shapes a point or spot light; `intensity` is
-    then the candela where the profile is brightest. `casts_shadow`: things hide the light of a point or spot light
-    (the first directional one always casts, the others and area lights never).
+    then the candela where the profile is brightest. `casts_shadow`: things hide its light (the first directional one
+    always casts, the others never). `radius` (metres): of what shines in a point or spot light; it softens shadows and
+    changes nothing else.
     """
 
     type: str = "directional"
@@ -49,6 +50,7 @@ class LightAsset:
     temperature: float = 0.0
     profile: str = ""
     casts_shadow: bool = False
+    radius: float = 0.0
 
 
 @dataclass(slots=True)
@@ -122,6 +124,20 @@ class LookAsset:
 
 
 @dataclass(slots=True)
+class BookmarkAsset:
+    """A place to look from: `distance` metres from `target`, turned Ry(yaw) Rx(pitch) Rz(roll) (radians)."""
+
+    number: int = 1
+    target: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    yaw: float = 0.0
+    pitch: float = 0.0
+    roll: float = 0.0
+    distance: float = 5.0
+    yfov: float = 0.7853981633974483
+    orthographic: bool = False
+
+
+@dataclass(slots=True)
 class SceneAsset:
     name: str
     nodes: list[NodeAsset] = field(default_factory=list)
@@ -136,3 +152,5 @@ class SceneAsset:
     animation: str = ""
     #: what of the animation poses it when it is opened: clips | timeline | states; "" = what the file has
     drive: str = ""
+    #: places to look from that somebody wants to come back to; their numbers differ
+    bookmarks: list[BookmarkAsset] = field(default_factory=list)

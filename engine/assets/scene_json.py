@@ -35,6 +35,7 @@ from engine.assets.records import (
     vector,
 )
 from engine.assets.scene import (
+    BookmarkAsset,
     CameraAsset,
     EnvironmentAsset,
     LightAsset,
@@ -82,6 +83,7 @@ _LIGHT = Record(
         "temperature": number(0.0),
         "profile": string,
         "casts_shadow": boolean,
+        "radius": number(0.0),
     },
 )
 
@@ -150,6 +152,19 @@ _ENVIRONMENT = Record(
     },
 )
 _LOOK = Record(LookAsset, {"exposure": number(-100.0, 100.0), "tone_map": choice("agx", "aces", "neutral", "none")})
+_BOOKMARK = Record(
+    BookmarkAsset,
+    {
+        "number": integer(1),
+        "target": vector(3),
+        "yaw": _ANGLE,
+        "pitch": _ANGLE,
+        "roll": _ANGLE,
+        "distance": number(1e-6),
+        "yfov": number(1e-3, 3.14),
+        "orthographic": boolean,
+    },
+)
 _SCENE = Record(
     SceneAsset,
     {
@@ -161,9 +176,10 @@ _SCENE = Record(
         "active_camera": integer(-1),
         "animation": string,
         "drive": choice("", "clips", "timeline", "states"),
+        "bookmarks": items(_BOOKMARK.read),
         "provenance": string_map,
     },
-    {"environment": _ENVIRONMENT, "look": _LOOK},
+    {"environment": _ENVIRONMENT, "look": _LOOK, "bookmarks": _BOOKMARK},
 )
 
 

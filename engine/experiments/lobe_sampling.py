@@ -90,7 +90,7 @@ def extremes(ctx: Context) -> Iterator[Extreme]:
 
 EXPERIMENT = Experiment(
     title="Integrating the lobes of Beckmann and Blinn-Phong",
-    method="directional albedo with Walter's masking: D sampled by its inverse (random, Hammersley), and Gauss-Legendre",
+    method="directional albedo with Walter's masking: D sampled (random, Hammersley), and Gauss-Legendre",
     truth="Gauss-Legendre with 512 nodes each way, float64",
     metric="rmse",
     unit="of albedo",

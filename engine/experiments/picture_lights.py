@@ -69,12 +69,19 @@ def settings(samples: int = 4, **more: Any) -> RenderSettings:
 
 def prepare(ctx: Context) -> Generator[tuple[float, str], None, None]:
     """Path trace every scene's truths, slice by slice."""
+    yield from traced_truths(ctx, scenes(ctx), TRUTHS)
+
+
+def traced_truths(
+    ctx: Context, named: Sequence[str], kinds: Sequence[str]
+) -> Generator[tuple[float, str], None, None]:
+    """Films of the scenes by truth, in `ctx.scratch[scene, kind]`; for a scene that cannot be opened, the error in
+    `ctx.scratch[scene]`."""
     from engine.experiments.truth import reference
     from engine.experiments.truth.path_tracer import Settings
     from engine.experiments.truth.traced_scene import traced
 
     width, height, paths = size(ctx)
-    named = scenes(ctx)
     for i, name in enumerate(named):
         try:
             scene = open_scene(ctx, name)
@@ -86,7 +93,7 @@ def prepare(ctx: Context) -> Generator[tuple[float, str], None, None]:
             camera = scene.camera(width / height)
             for note in world.notes:
                 ctx.notes.append(f"{short(name)}: {note}.")
-            for j, kind in enumerate(TRUTHS):
+            for j, kind in enumerate(kinds):
                 how = Settings(paths, 1 if kind != "full" else 6, shadows=kind != "unshadowed", seed=ctx.seed)
                 label = f"picture-{short(name)}-{kind}"
                 steps = reference.picture(ctx, label, world, camera, width, height, how)
@@ -96,7 +103,7 @@ def prepare(ctx: Context) -> Generator[tuple[float, str], None, None]:
                     except StopIteration as stop:
                         ctx.scratch[name, kind] = stop.value
                         break
-                    yield (i + (j + done) / len(TRUTHS)) / len(named), text
+                    yield (i + (j + done) / len(kinds)) / len(named), text
         finally:
             scene.close()
 

@@ -26,6 +26,7 @@ from engine.experiments.sun_shadows import FILTERS, another_sun
 from engine.math.transform import look_at
 from engine.render.camera import Camera
 from engine.render.settings import RenderSettings
+from engine.render.shadows.quality import MOMENTS
 from engine.render.view import View
 
 F8 = NDArray[np.float64]
@@ -40,17 +41,19 @@ SIZE = (192, 192)
 
 
 def knobs(ctx: Context) -> list[dict[str, Any]]:
-    """Every filter on both scenes, softer and softer where it has a fixed width; moments with and without `leak`."""
+    """Every filter, softer and softer where it has a fixed width; on the casters those that can leak, with and without
+    taking the least light for none."""
     found: list[dict[str, Any]] = []
     soft = SOFTNESS[1:2] if ctx.quick else SOFTNESS
-    for scene in (PENUMBRA, CASTERS):
-        for filter in FILTERS:
-            if filter in ("none", "pcf", "pcss"):
-                found.append({"scene": scene, "filter": filter, "softness": 1.5, "precision": "single"})
-                continue
-            found += [{"scene": scene, "filter": filter, "softness": s, "precision": "single"} for s in soft]
-        if not ctx.quick:
-            found += [{"scene": scene, "filter": f, "softness": 3.0, "precision": "half"} for f in ("evsm4", "msm")]
+    plain = {"precision": "single", "leak": RenderSettings().shadow_leak}
+    for filter in FILTERS:
+        fixed = filter not in ("none", "pcf", "pcss")
+        found += [{"scene": PENUMBRA, "filter": filter, "softness": s, **plain} for s in (soft if fixed else (1.5,))]
+    kinds = [f for f in FILTERS if f in MOMENTS]
+    found += [{"scene": CASTERS, "filter": f, "softness": 3.0, **plain} for f in ("pcf", *kinds)]
+    found += [{"scene": CASTERS, "filter": f, "softness": 3.0, **plain, "leak": 0.0} for f in kinds]
+    half = {**plain, "precision": "half"}
+    found += [{"scene": s, "filter": f, "softness": 3.0, **half} for s in (PENUMBRA, CASTERS) for f in ("evsm4", "msm")]
     return found
 
 
@@ -103,13 +106,15 @@ def judged_rows(name: str) -> NDArray[np.int64]:
         strip = SIZE[1] // len(HEIGHTS)
         row = np.arange(SIZE[1]) % strip
         inside[np.abs(row - strip // 2) > strip // 8] = False
+        inside[:, np.abs(np.arange(SIZE[0]) - SIZE[0] / 2.0) > 0.23 * SIZE[0]] = False  # the lowest card is seen there
     return np.flatnonzero(inside.ravel())
 
 
 def settings(chosen: Knobs, **more: Any) -> RenderSettings:
     return RenderSettings(
         samples=1, background="color", tone_map="none", sun_angle=SUN, shadow_filter=str(chosen["filter"]),
-        shadow_softness=float(chosen["softness"]), shadow_precision=str(chosen["precision"]), **more,
+        shadow_softness=float(chosen["softness"]), shadow_precision=str(chosen["precision"]),
+        shadow_leak=float(chosen["leak"]), **more,
     )  # fmt: skip
 
 

@@ -65,6 +65,7 @@ def knobs(ctx: Context) -> list[dict[str, Any]]:
         rows = [base]
         rows += [{**base, "filter": f, "size": s} for f in filters for s in (SIZES if f == "none" else sizes)]
         rows += [{**base, "cascades": c} for c in CASCADES if c != DEFAULT.cascades]
+        rows += [{**base, "size": 2048, "cascades": c} for c in (3, 4)]
         rows.append({**base, "filter": THESIS, "size": THESIS_SETTINGS["shadow_size"]})
         found += rows
     return found

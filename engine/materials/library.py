@@ -37,6 +37,10 @@ from engine.materials.versions import Version
 Further = Callable[[Effect], Iterable[tuple[Device, VariantRequest]]]
 
 
+#: folders of plug-ins with effects and shaders, for the libraries made from now on
+EXTRA_FOLDERS: list[Path] = []
+
+
 class EffectLibrary:
     """`search`: folders with shaders (`effects/x.effect.toml`, `lib/y.glsl`); the first that has a file counts.
 
@@ -48,7 +52,9 @@ class EffectLibrary:
     """
 
     def __init__(self, search: Sequence[Path], *, prelude: str = "") -> None:
-        self.search = tuple(Path(folder) for folder in search)
+        folders = [Path(folder) for folder in search]
+        #: the built-in effects come last, those of plug-ins before them
+        self.search = (*folders[:-1], *EXTRA_FOLDERS, *folders[-1:])
         self.prelude = prelude
         self.compiled = 0
         self.revision = 0

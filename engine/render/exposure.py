@@ -6,6 +6,8 @@ pass auto_exposure: picture ─► histogram ─► target ─► adapted value 
 from __future__ import annotations
 
 import math
+from collections import OrderedDict
+from collections.abc import Hashable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -21,6 +23,8 @@ BINS = 128
 LATENCY = 3
 #: stops off its target at which nothing moves any more that could be seen
 SETTLED = 0.01
+#: views that are remembered, as many as the frame graph keeps compiled
+VIEWS = 8
 #: at most so many seconds count as one frame: a picture that stood still did not get used to the next one
 LONGEST = 0.1
 
@@ -39,8 +43,9 @@ class ExposureState:
         #: stops that the last known picture was brightened by, and would be in the end
         self.stops = self.target = 0.0
 
-    def begin(self, subject: object) -> bool:
-        """A frame is metered now. Returns whether what was adapted to holds: it does not for another `subject`."""
+    def begin(self, subject: object, *, cut: bool = False) -> bool:
+        """A frame is metered now. Returns whether what was adapted to holds: not for another `subject`, nor after a
+        cut."""
         if self._histogram is None:
             self._histogram = self._device.buffer(8 * BINS, label="luminance histogram")
             self._state = self._device.buffer(16, label="adapted exposure")
@@ -48,7 +53,7 @@ class ExposureState:
         self._histogram.write(np.zeros(2 * BINS, np.uint32))
         self._frame += 1
         self._pending[self._frame % LATENCY] = True
-        known, self._subject = self._subject == subject, subject
+        known, self._subject = self._subject == subject and not cut, subject
         return known
 
     @property
@@ -76,6 +81,26 @@ class ExposureState:
                 buffer.release()
         self._histogram = self._state = None
         self._results = []
+
+
+class Exposures:
+    """Of one renderer: a state for each of its views, by View.key; those longest unused are forgotten."""
+
+    def __init__(self, device: Device) -> None:
+        self._device = device
+        self._states: OrderedDict[Hashable, ExposureState] = OrderedDict()
+
+    def of(self, key: Hashable) -> ExposureState:
+        state = self._states.pop(key, None)
+        self._states[key] = state = state or ExposureState(self._device)
+        while len(self._states) > VIEWS:
+            self._states.popitem(last=False)[1].release()
+        return state
+
+    def release(self) -> None:
+        for state in self._states.values():
+            state.release()
+        self._states.clear()
 
 
 def adaptation(settings: RenderSettings, seconds: float | None) -> tuple[float, float]:

@@ -37,10 +37,12 @@ class SceneFacts:
     stencil: bool = False  # a technique of what is drawn tests or writes it
     ambient_occlusion: Occlusion = field(default_factory=Occlusion)
     indirect: Indirect = field(default_factory=Indirect)  # light between surfaces, reflections
-    local_shadows: int = 0  # width of the map of point and spot lights, texels; 0 where none casts
+    local_shadows: int = 0  # width of the map of local lights' shadows, texels; 0 where none casts
+    soft_lamps: bool = False  # one of them has a size that softens its shadows
     bloom: Bloom = field(default_factory=Bloom)
     auto_exposure: bool = False
     fxaa: bool = False
+    smaa: bool = False
     taa: bool = False
     motion: bool = False  # something is gathered over frames, and wants to know where it was (engine/render/motion)
     moving: bool = False  # a thing that is seen moved since the frame before, and the above
@@ -68,6 +70,7 @@ class SceneFacts:
             "REFLECTIONS": int(self.indirect.reflections or self.force_all),
             "LOCAL_LIGHTS": int(self.local_lights or self.force_all),
             "DEBUG_VIEW": DEBUG_VIEWS.index(self.debug_view),
+            "VIEW_SHADOW_TEXELS": int(self.debug_view == "shadow_texels"),
             **self.light_defines(),
         }
 
@@ -77,6 +80,7 @@ class SceneFacts:
             "AREA_LIGHTS": int(self.area_lights or self.force_all),
             "LIGHT_PROFILES": int(self.light_profiles or self.force_all),
             "LOCAL_SHADOWS": int(self.local_shadows > 0 or self.force_all),
+            "SOFT_LAMPS": int(self.soft_lamps or self.force_all),
             "SHADOW_FILTER": FILTERS.index(self.shadow_quality.filter),
             "SHADOW_HALF": int(self.shadow_quality.moments and self.shadow_quality.precision == "half"),
         }

@@ -50,6 +50,7 @@ def facts_of(
         light_profiles=rows.light_tables.profiles,
         sun_shadows=sun_shadows,
         local_shadows=rows.lamp_shadows(scene, view),
+        soft_lamps=rows.local_shadows.soft,
         shadow_quality=ShadowQuality(
             filter_for(settings.shadow_filter, software=caps.software),
             settings.shadow_cascades,

@@ -1,4 +1,4 @@
-"""What is in textures that stay from frame to frame, part by part: an equal key is an equal picture, not to be redrawn."""
+"""What is in textures that stay from frame to frame, part by part: an equal key is an equal picture."""
 
 from __future__ import annotations
 

@@ -18,7 +18,7 @@ from engine.render.camera import Camera
 F8 = NDArray[np.float64]
 
 #: views whose surfaces write a quantity
-VALUE_VIEWS = ("depth", "overdraw", "texel_density")
+VALUE_VIEWS = ("depth", "overdraw", "texel_density", "shadow_texels")
 #: as shaders/lib/ramp.glsl: sRGB
 STOPS = np.array([
     [0.267, 0.004, 0.329], [0.278, 0.177, 0.482], [0.231, 0.322, 0.545], [0.172, 0.447, 0.557], [0.129, 0.569, 0.549],
@@ -101,6 +101,8 @@ def legend_of(view: str, depths: tuple[float, float] = (0.1, 100.0)) -> Legend |
     if view == "texel_density":
         steps = (128.0, 512.0, 2048.0)
         return Legend("Texels", "per metre", 32.0, 8192.0, True, note="grey: no texture", marks=steps)
+    if view == "shadow_texels":
+        return Legend("Shadow texels", "per metre", 1.0, 4096.0, True, note="grey: no shadow", marks=(8.0, 64.0, 512.0))
     if view == "light_tiles":
         marks, note = (1.0, 4.0, 16.0, 64.0, 256.0), "black: none, white: more than fit"
         return Legend("Lights", "in the tile's list", 0.0, MOST_LIGHTS, counts=True, note=note, marks=marks)

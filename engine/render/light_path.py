@@ -57,8 +57,12 @@ class LightPath:
             self.lists.prepare(lighting, view.width, view.height, lights)
             block["tiles"], block["clusters"] = self.lists.view_fields(lighting, view.camera.znear)
         smooth = bool(settings.alpha_to_coverage) and choice.samples > 1 and self._rows.draws.has_cutouts
-        fxaa = settings.antialias == "fxaa" and choice.samples == 1 and settings.shading_view in LIT_LOOK
-        return replace(facts, lighting=lighting, samples=choice.samples, alpha_to_coverage=smooth, fxaa=fxaa)
+        # filters of the finished picture
+        filtered = settings.antialias if choice.samples == 1 and settings.shading_view in LIT_LOOK else "none"
+        return replace(
+            facts, lighting=lighting, samples=choice.samples, alpha_to_coverage=smooth, fxaa=filtered == "fxaa",
+            smaa=filtered == "smaa",
+        )  # fmt: skip
 
     def counters(self, *, wait: bool) -> dict[str, int]:
         """What the light lists of this frame did; nothing where it has none."""

@@ -25,7 +25,7 @@ LIGHT_LAYOUT = layout(
         Field("spot_scale", "float"),  # KHR_lights_punctual: 1 / (cos inner - cos outer)
         Field("right", "vec3"),  # unit, world: the width's direction of area lights, horizontal angle 0 of profiles
         Field("spot_offset", "float"),  # -cos outer * scale
-        Field("half_size", "vec2"),  # m; of area lights
+        Field("half_size", "vec2"),  # m; of area lights, of others both the radius of what shines
         Field("two_sided", "uint"),  # 1: an area light shines to the back too
         Field("profile", "int"),  # layer of the profiles' texture, or -1
     ],
@@ -156,7 +156,7 @@ def light_rows(
 
 
 def _bounds(rows: NDArray[np.void]) -> LightBounds:
-    size = np.hypot(rows["half_size"][:, 0], rows["half_size"][:, 1])
+    size = np.where(rows["type"] >= 3, np.hypot(rows["half_size"][:, 0], rows["half_size"][:, 1]), np.float32(0.0))
     endless = (rows["range"] <= 0.0) | (rows["type"] == 0)
     # a bit beyond the range, as the shader's own distance is rounded
     radius = np.where(endless, np.float32(np.inf), (rows["range"] + size) * np.float32(1.0 + 1e-5))

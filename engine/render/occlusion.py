@@ -23,8 +23,8 @@ RADIUS_PART = 0.03
 @dataclass(frozen=True, slots=True)
 class Occlusion:
     """`directions`: slices through a pixel; `steps`: places on each side of one (alchemy: in all); `stride`: 2 where
-    every second row and column is looked at. `bent`: also where the open part lies; `bounces`: what hides light sends on
-    what it receives. `why_not`: why it is not wanted."""
+    every second row and column is looked at. `bent`: also where the open part lies; `bounces`: what hides light sends
+    on what it receives. `why_not`: why it is not wanted."""
 
     method: str = "gtao"
     directions: int = 2

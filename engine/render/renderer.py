@@ -20,7 +20,8 @@ from engine.materials.variant import VariantRequest
 from engine.render.ahead import Enough
 from engine.render.depth_range import fit_depth
 from engine.render.environments import Environments, usable
-from engine.render.exposure import ExposureState
+from engine.render.exposure import Exposures
+from engine.render.extra_passes import EXTRA
 from engine.render.frame import Frame, RenderFrame
 from engine.render.frame_facts import facts_of
 from engine.render.hysteresis import Hysteresis
@@ -61,6 +62,7 @@ class Renderer:
         self.profile = profile
         self.programs = Programs(device, residency.effects)
         #: path -> its passes, made when first taken
+        self._extra_passes = EXTRA.revision
         self.graphs: dict[str, FrameGraph] = {"forward": FrameGraph(PASSES["forward"]())}
         self.environments = Environments(device)
         self.rows = SceneRows(device, residency)
@@ -78,7 +80,7 @@ class Renderer:
         self._timer = PassTimer(device)
         #: pictures made so far
         self.frames = 0
-        self._exposure = ExposureState(device)
+        self._exposures = Exposures(device)
         #: holds on to facts that flicker
         self.hysteresis = Hysteresis()
         self._numbers: NumberCheck | None = None
@@ -150,13 +152,13 @@ class Renderer:
             check.show(graph.texture("color"))
         stats = self._stats(graph.transient_bytes)
         if frame.facts.auto_exposure:
-            self._exposure.read(wait=view.seconds is None or device.caps.software)
-            stats.counters["auto_exposure_ev"] = round(self._exposure.stops, 3)
+            frame.exposure.read(wait=view.seconds is None or device.caps.software)
+            stats.counters["auto_exposure_ev"] = round(frame.exposure.stops, 3)
         device.end_frame()
         self.frames += 1
         hdr_texture = graph.texture("hdr_resolved") if hdr else None
         legend = frame.look["legend"]
-        settled = not frame.facts.auto_exposure or self._exposure.settled
+        settled = not frame.facts.auto_exposure or frame.exposure.settled
         settled = settled and not (frame.facts.taa and frame.motion.frozen < 2 * view.settings.taa_frames)
         return Frame(
             graph.texture("color"), hdr_texture, stats, graph, frame.facts, numbers, self.path, legend, settled
@@ -187,6 +189,11 @@ class Renderer:
     def graph(self) -> FrameGraph:
         """The passes of the last frame's path."""
         path = self.path.path
+        if self._extra_passes != EXTRA.revision:
+            self._extra_passes = EXTRA.revision
+            for graph in self.graphs.values():
+                graph.release()
+            self.graphs.clear()
         if path not in self.graphs:
             self.graphs[path] = FrameGraph(PASSES[path]())
         return self.graphs[path]
@@ -226,8 +233,8 @@ class Renderer:
         for graph in self.graphs.values():
             graph.release()
         for part in (
-            self.programs, self.environments, self.rows, self._dfg, self.light_lists, self._exposure, self._view_buffer,
-            self.before,
+            self.programs, self.environments, self.rows, self._dfg, self.light_lists, self._exposures,
+            self._view_buffer, self.before,
         ):  # fmt: skip
             part.release()
         for buffer in self._pass_buffers.values():
@@ -274,7 +281,7 @@ class Renderer:
             light_count=rows.lights.count, light_lists=self.light_lists, palettes=rows.palettes.buffer,
             morphs=rows.morphs.buffer,
             point_sampler=self._point_sampler, origin=origin, shadows=rows.shadows, shadow_rows=block,
-            local_shadows=rows.local_shadows, exposure=self._exposure,
+            local_shadows=rows.local_shadows, exposure=self._exposures.of(view.key),
             look=self._look.of(scene, view, facts, environment, rows.visible),
             pass_buffers=self._pass_buffers,
             light_textures=rows.light_tables.bindings(), motion=motion,

@@ -19,11 +19,13 @@ DEBUG_VIEWS = (
     "weights", "influences",
     "ambient_occlusion",
     *gi_choice.VIEWS,
+    # shadows: density of the map that a place reads, and all maps
+    "shadow_texels", "shadow_maps",
 )  # fmt: skip
 #: shown as the lit picture is, exposed and tone-mapped
 LIT_LOOK = ("lit", "lighting")
 #: on black: what is behind the scene has none of what they show
-ON_BLACK = ("depth", "overdraw", "wireframe", "texel_density", "uv_checker")
+ON_BLACK = ("depth", "overdraw", "wireframe", "texel_density", "uv_checker", "shadow_texels", "shadow_maps")
 #: what a view shows, for tooltips and the status bar; the others say it by their names
 VIEW_LEGENDS = {
     "lighting": "white surfaces under the scene's lights",
@@ -41,6 +43,9 @@ VIEW_LEGENDS = {
     "weights": "a colour for each bone, mixed by its weight; grey without a skin",
     "influences": "joints that move a vertex: blue 1, green 2, yellow 3, red 4, violet more; grey without a skin",
     "light_tiles": "lights in each tile's list, by the ramp; white: more than fit, so all",
+    "cascades": "the shadow map that a place reads: red, green, blue, yellow from near to far, then again; grey: none",
+    "shadow_texels": "texels a metre of the sun's shadow map, in cells of 8 texels; grey where it has none",
+    "shadow_maps": "the sun's cascades from near to far, then the map of lamps: white near the light",
 }
 #: the lit picture, dimmed, with what is no number marked
 NONFINITE = "nonfinite"
@@ -69,12 +74,15 @@ class RenderSettings(ParamBlock):
     )  # fmt: skip
     samples: int = param(4, min=1, max=8, doc="anti-aliasing samples a pixel (1, 2, 4, 8; limited by the device)")
     antialias: str = param(
-        "none", choices=("none", "fxaa", "taa"),
-        doc="with samples = 1. fxaa: smooths edges of the finished picture; taa: the mean of frames that look elsewhere"
-        " in each pixel",
+        "none", choices=("none", "fxaa", "smaa", "taa"),
+        doc="with samples = 1. fxaa, smaa: smooth edges of the finished picture (smaa keeps more of what is no edge); taa:"
+        " the mean of frames that look elsewhere in each pixel",
     )  # fmt: skip
     taa_frames: int = param(16, min=1, max=64, doc="taa: places in a pixel that are looked at, one a frame")
-    taa_part: float = param(0.1, min=0.01, max=1.0, step=0.01, doc="taa: of a new frame in the mean while things move")
+    taa_part: float = param(
+        0.15, min=0.01, max=1.0, step=0.01,
+        doc="taa: of a new frame in the mean while things move; up to 3 times that, where fast",
+    )
     taa_spread: float = param(
         1.0, min=0.0, max=8.0, step=0.05,
         doc="taa: standard deviations of the colours around that older ones may lie off: less flickers, more drags",
@@ -108,7 +116,7 @@ class RenderSettings(ParamBlock):
         "single", choices=PRECISIONS, doc="numbers of blurred maps; half: half the memory, more light leaks"
     )
     shadow_exponent: float = param(
-        42.0, min=1.0, max=42.0, step=1.0, doc="esm, evsm: how sharply depths are told apart; half numbers: 5.54 at most"
+        42.0, min=1.0, max=42.0, step=1.0, doc="esm, evsm: how sharply depths are told apart; half: 5.54 at most"
     )
     shadow_leak: float = param(
         0.15, min=0.0, max=0.9, step=0.01, doc="blurred maps: light up to this part is none; more: darker penumbrae"
@@ -127,8 +135,9 @@ class RenderSettings(ParamBlock):
     sun_angle: float = param(0.53, min=0.0, max=20.0, step=0.01, unit="deg", doc="width of the sun, for pcss")
     local_shadows: str = param(
         "auto", choices=("auto", "all", "off"),
-        doc="point and spot lights cast shadows; auto: those that are said to, all: as many as may",
+        doc="lamps and area lights cast shadows; auto: those that are said to, all: as many as may",
     )  # fmt: skip
+    soft_lamps: bool = param(True, doc="area lights, and lamps with a radius, throw shadows as soft as they are large")
     local_shadow_size: int = param(2048, min=64, max=8192, unit="px", doc="width of the map that their tiles share")
     local_shadow_lights: int = param(32, min=0, max=256, doc="most lights with shadows, by brightness and nearness")
     ambient_occlusion: str = param(
@@ -143,7 +152,9 @@ class RenderSettings(ParamBlock):
     ao_directions: int = param(2, min=1, max=16, doc="slices through each pixel (gtao, hbao)")
     ao_steps: int = param(8, min=1, max=64, doc="places on each side of a slice; alchemy: places in all")
     ao_bent: bool = param(True, doc="take environment light from where it is open, not from the normal (gtao)")
-    ao_bounces: bool = param(True, doc="surfaces that hide light send on what they receive: bright corners stay bright")
+    ao_bounces: bool = param(
+        False, doc="what hides light sends on what it receives, where it is bright; light between surfaces (gi) does so better"
+    )
     ao_half: bool = param(False, doc="look at every second row and column only")
     gi: str = param(
         "off", choices=gi_choice.CHOICES,
@@ -207,3 +218,8 @@ class RenderSettings(ParamBlock):
     @property
     def wants_numbers(self) -> bool:
         return bool(self.check_numbers) or self.view == NONFINITE
+
+    @property
+    def takes_time(self) -> bool:
+        """Whether a picture depends on those before, as long as there are some."""
+        return bool(self.auto_exposure) or self.antialias == "taa"

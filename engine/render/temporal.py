@@ -31,5 +31,5 @@ def gathered(view: View, caps: Caps) -> list[View]:
     `taa_frames` that begins with a cut, with time standing still."""
     if view.seconds is not None or not taa_wanted(view, caps):
         return [view]
-    key = ("gathered", view.key)
+    key = ("gathered", view.key)  # what a window gathers goes on as it was
     return [replace(view, seconds=0.0, key=key, cut=index == 0) for index in range(int(view.settings.taa_frames))]

@@ -46,11 +46,13 @@ def draw_legend(
     at = np.minimum((np.arange(wide) / max(wide - 1, 1) * len(ramp)).astype(int), len(ramp) - 1)
     colors = np.clip(np.round(np.asarray(ramp)[at] * 255.0), 0, 255).astype(np.uint8)
     image.paste(Image.fromarray(np.repeat(colors[None], bar, axis=0)), (x, y))
+    last = x + wide - small.getlength(ticks[-1][1]) - 0.5 * em if ticks else 0.0  # where the last label's room begins
     for i, (place, label) in enumerate(ticks):
         across = x + round(place * (wide - 1))
         draw.line((across, y + bar, across, y + bar + round(0.25 * em)), DIM, max(em // 12, 1))
         anchor = "la" if i == 0 else "ra" if i == len(ticks) - 1 else "ma"
-        draw.text((across, y + bar + round(0.35 * em)), label, TEXT, small, anchor=anchor)
+        if anchor != "ma" or across + 0.5 * small.getlength(label) < last:
+            draw.text((across, y + bar + round(0.35 * em)), label, TEXT, small, anchor=anchor)
     result = picture.copy()
     result[..., :3] = np.asarray(image)
     return result

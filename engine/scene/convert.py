@@ -96,6 +96,7 @@ def scene_asset(scene: Scene, base: SceneAsset | None) -> SceneAsset:
         active_camera=index_of.get(scene.active_camera, -1),
         animation=base.animation if base else "",
         drive=base.drive if base else "",
+        bookmarks=list(base.bookmarks) if base else [],
         provenance=dict(base.provenance) if base else {},
     )
 

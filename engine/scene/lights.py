@@ -39,10 +39,11 @@ _SCHEMA = {
     "temperature": (np.float64, (), 0.0),
     "profile": (np.int32, (), -1),
     "casts_shadow": (np.bool_, (), False),
+    "radius": (np.float64, (), 0.0),
 }
 
 #: One light in the world. `radiant` = color * intensity (lux, candela or nit); `direction` is the way the light shines,
-#: `right` the node's X beside it; `range` 0 = endless; `half_size` is 0 but for area lights; `profile` indexes
+#: `right` the node's X beside it; `range` 0 = endless; `half_size` of area lights, else both the radius; `profile` indexes
 #: LightTable.profiles, -1 = none; `light`, `node` are rows.
 WORLD_LIGHT = np.dtype(
     [
@@ -139,8 +140,13 @@ class LightTable(Table):
 
     @property
     def casts_shadow(self) -> NDArray[np.bool_]:
-        """bool[n]: whether things hide the light of a point or spot light."""
+        """bool[n]: whether things hide its light (of a directional one: no matter)."""
         return self._view("casts_shadow")
+
+    @property
+    def radius(self) -> NDArray[np.float64]:
+        """f8[n]: metres, of what shines in a point or spot light."""
+        return self._view("radius")
 
     def add(self, node: int, light: LightAsset | None = None, findings: Findings | None = None, path: str = "") -> int:
         """Add a light on `node` and return its row; its values are checked by `sanitize`, into `findings`."""
@@ -170,7 +176,7 @@ class LightTable(Table):
             "intensity": np.clip(powers, 0.0, MAX_INTENSITY), "range": like.range, "inner": like.inner_angle,
             "outer": like.outer_angle, "width": like.width, "height": like.height, "two_sided": like.two_sided,
             "temperature": like.temperature, "profile": self.profile_index(like.profile),
-            "casts_shadow": like.casts_shadow,
+            "casts_shadow": like.casts_shadow, "radius": like.radius,
         }  # fmt: skip
         for name, value in values.items():
             data[name][rows] = value
@@ -195,7 +201,7 @@ class LightTable(Table):
             LIGHT_TYPES[self.type[row]], (r, g, b), float(self.intensity[row]), float(self.range[row]),
             float(self.inner[row]), float(self.outer[row]), float(self.width[row]), float(self.height[row]),
             bool(self.two_sided[row]), float(self.temperature[row]), self.profiles[profile] if profile >= 0 else "",
-            bool(self.casts_shadow[row]),
+            bool(self.casts_shadow[row]), float(self.radius[row]),
         )  # fmt: skip
 
     def profile_index(self, path: str) -> int:
@@ -272,11 +278,12 @@ class LightTable(Table):
         out["cos_inner"] = np.cos(self.inner[rows])
         out["cos_outer"] = np.cos(self.outer[rows])
         out["type"] = self.type[rows]
-        out["half_size"] = np.where(area[:, None], np.stack([self.width[rows], self.height[rows]], axis=1) / 2.0, 0.0)
+        size = np.stack([self.width[rows], self.height[rows]], axis=1) / 2.0
+        round_ = (out["type"] == 1) | (out["type"] == 2)
+        out["half_size"] = np.where(area[:, None], size, np.where(round_, self.radius[rows], 0.0)[:, None])
         out["two_sided"] = area & self.two_sided[rows]
         out["profile"] = np.where(area | (out["type"] == 0), -1, self.profile[rows])
-        out["casts_shadow"] = (out["type"] == 1) | (out["type"] == 2)
-        out["casts_shadow"] &= self.casts_shadow[rows]
+        out["casts_shadow"] = self.casts_shadow[rows] & (out["type"] != 0)
         out["light"], out["node"] = rows, node
         out.flags.writeable = False
         return out
@@ -293,6 +300,7 @@ class LightTable(Table):
         data["temperature"][row] = light.temperature
         data["profile"][row] = self.profile_index(light.profile)
         data["casts_shadow"][row] = light.casts_shadow
+        data["radius"][row] = light.radius
         self.rev += 1
 
 
@@ -351,4 +359,5 @@ def sanitize(light: LightAsset, findings: Findings | None = None, path: str = ""
         temperature,
         light.profile,
         bool(light.casts_shadow),
+        limit("radius", light.radius, MAX_SIZE),
     )

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 from engine.assets.material import MaterialAsset, TextureRef
-from importers.reimport.merge import Report, merge_mapping, merge_value
+from importers.reimport.merge import NOTHING, Report, merge_mapping, merge_value, same
 
 WHOLE = ("effect", "queue", "level", "parent")
 
@@ -22,12 +22,34 @@ def merge_material(base: MaterialAsset, theirs: MaterialAsset, ours: MaterialAss
         extensions=merge_mapping(base.extensions, theirs.extensions, ours.extensions, f"{name}extension ", report),
         features=[],
     )
-    features: dict[str, Any] = merge_mapping(
-        *(dict.fromkeys(side.features, True) for side in (base, theirs, ours)), f"{name}feature ", report
-    )
+    sides = [dict.fromkeys(side.features, True) for side in (base, theirs, ours)]
+    features = merge_mapping(sides[0], sides[1], sides[2], f"{name}feature ", report)
     merged.features = list(features)
     merged.textures = {slot: _ref(value) for slot, value in merged.textures.items()}
     return merged
+
+
+def changes(before: MaterialAsset, after: MaterialAsset) -> dict[str, Any]:
+    """What to set in the file of `before` so that it says what `after` does, for material_toml.update_material."""
+    found: dict[str, Any] = {
+        name: getattr(after, name)
+        for name in (*WHOLE, "features")
+        if not same(getattr(before, name), getattr(after, name))
+    }
+    for key in dict.fromkeys([*before.params, *after.params]):
+        if not same(before.params.get(key, NOTHING), after.params.get(key, NOTHING)):
+            found[f"params.{key}"] = after.params.get(key)
+    old, new = _plain(before), _plain(after)
+    names = [n for n in TextureRef.__slots__ if n != "stated"]
+    usual = TextureRef("")
+    for slot in dict.fromkeys([*old, *new]):
+        if slot not in new:
+            found[f"textures.{slot}"] = None
+        elif not same(old.get(slot, NOTHING), new[slot]):
+            for name, value in zip(names, new[slot], strict=True):
+                needed = name == "path" or value != getattr(usual, name)
+                found[f"textures.{slot}.{name}"] = value if needed else None
+    return found
 
 
 def _plain(material: MaterialAsset) -> dict[str, Any]:

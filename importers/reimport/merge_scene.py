@@ -63,7 +63,9 @@ def merge_scene(
         from_ours[mine] = len(nodes)
         nodes.append(_merge_node(base.nodes[before], node, ours.nodes[mine], f"{named(key)}: ", report))
         hung = ours.nodes[mine].parent
-        same = hung < 0 and base.nodes[before].parent < 0 or hung >= 0 and origin[hung] == base.nodes[before].parent
+        same = (origin[hung] if hung >= 0 else -1) == base.nodes[before].parent and (hung < 0) == (
+            base.nodes[before].parent < 0
+        )
         if not same:
             report.kept.append(f"{named(key)}: hung elsewhere")
         parents.append(("theirs", node.parent) if same else ("ours", hung))
@@ -125,7 +127,8 @@ def merge_scene(
 
 
 def _merge_node(base: NodeAsset, theirs: NodeAsset, ours: NodeAsset, what: str, report: Report) -> NodeAsset:
-    place = merge_value(*(tuple(getattr(n, f) for f in PLACE) for n in (base, theirs, ours)), f"{what}place", report)
+    places = [tuple(getattr(n, f) for f in PLACE) for n in (base, theirs, ours)]
+    place = merge_value(places[0], places[1], places[2], f"{what}place", report)
     merged = replace(theirs, **dict(zip(PLACE, place, strict=True)))
     for name in ("name", "visible", "weights", "placed"):
         values = [getattr(n, name) for n in (base, theirs, ours)]

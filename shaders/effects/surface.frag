@@ -344,6 +344,13 @@ void main()
 #if CASCADE_TINT
     color *= cascade_tint(v_position);
 #endif
+#elif VIEW_SHADOW_TEXELS
+    vec2 seen_texels = vec2(0.0);
+#if SUN_SHADOWS
+    seen_texels = shadow_texels(v_position);
+#endif
+    color = vec3(clamp(seen_texels.x, 0.0, 32000.0));
+    s.base_color.a = 1.0;
 #elif DEBUG_VIEW == 21
     color = vec3(1.0);
 #if AMBIENT_VISIBILITY
@@ -378,7 +385,9 @@ void main()
     o_color = vec4(sanitise(color) * alpha, alpha);  // premultiplied
 #else
     o_color = vec4(sanitise(color), 1.0);
-#if VIEW_OF_VALUE
+#if VIEW_SHADOW_TEXELS
+    o_color.a = seen_texels.y;
+#elif VIEW_OF_VALUE
     o_color.a = seen_view.a;
 #endif
 #endif

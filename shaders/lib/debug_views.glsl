@@ -10,7 +10,7 @@
 #define VIEW_OF_SURFACE (DEBUG_VIEW >= 14 && DEBUG_VIEW <= 18)
 
 // These write a quantity, which the last pass colours (passes/tone_map.frag, engine/render/legends.py).
-#define VIEW_OF_VALUE (VIEW_DEPTH || VIEW_OVERDRAW || VIEW_TEXEL_DENSITY)
+#define VIEW_OF_VALUE (VIEW_DEPTH || VIEW_OVERDRAW || VIEW_TEXEL_DENSITY || VIEW_SHADOW_TEXELS)
 
 #if VIEW_DEPTH
 #include "lib/position.glsl"

@@ -1,5 +1,6 @@
 // Places of texels of the deep G-buffer's layers, which may be smaller than the picture. Depth is reversed, 0: nothing there.
 #include "lib/math.glsl"
+#include "lib/octahedral.glsl"
 #include "lib/position.glsl"
 #include "lib/view.glsl"
 
@@ -15,21 +16,9 @@ vec3 layer_place(ivec2 texel, float depth)
 }
 
 // Unit normals in two channels of 8 bits: which side a surface turns to is all that is asked of them.
-vec2 pack_side(vec3 n)
-{
-    vec2 p = n.xy / max(abs(n.x) + abs(n.y) + abs(n.z), 1e-20);
-    vec2 side = vec2(p.x >= 0.0 ? 1.0 : -1.0, p.y >= 0.0 ? 1.0 : -1.0);
-    return (n.z < 0.0 ? (1.0 - abs(p.yx)) * side : p) * 0.5 + 0.5;
-}
+vec2 pack_side(vec3 n) { return octahedral(n) * 0.5 + 0.5; }
 
-vec3 unpack_side(vec2 word)
-{
-    vec2 p = word * 2.0 - 1.0;
-    vec3 n = vec3(p, 1.0 - abs(p.x) - abs(p.y));
-    vec2 side = vec2(p.x >= 0.0 ? 1.0 : -1.0, p.y >= 0.0 ? 1.0 : -1.0);
-    if (n.z < 0.0) n.xy = (1.0 - abs(n.yx)) * side;
-    return n;
-}
+vec3 unpack_side(vec2 word) { return from_octahedral(word * 2.0 - 1.0); }
 
 // Which of the four texels below stands for one of a smaller size: McGuire, Mara, Luebke 2012, "Scalable Ambient
 // Obscurance", sect. 2.2 (rotated, so that no row or column is lost).

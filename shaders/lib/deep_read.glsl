@@ -1,6 +1,6 @@
 // A texel of a layer, unpacked.
 #include "lib/deep_texels.glsl"
-#include "lib/gbuffer.glsl"
+#include "lib/octahedral.glsl"
 
 layout(binding = 17) uniform usampler2D t_shape0;
 layout(binding = 18) uniform usampler2D t_light0;

@@ -44,12 +44,8 @@ int pattern(ivec2 pixel)
 
 vec3 shape_normal(uvec2 shape, vec3 v)
 {
-    if (shape.x == 0x80008000u) return v;
-    vec2 p = unpackSnorm2x16(shape.x);
-    vec3 n = vec3(p, 1.0 - abs(p.x) - abs(p.y));
-    vec2 side = vec2(p.x >= 0.0 ? 1.0 : -1.0, p.y >= 0.0 ? 1.0 : -1.0);
-    if (n.z < 0.0) n.xy = (1.0 - abs(n.yx)) * side;
-    n = safe_normalize(n);
+    if (shape.x == NO_REFLECTION) return v;
+    vec3 n = from_octahedral(unpackSnorm2x16(shape.x));
     // a normal map may turn a surface away from whom sees it
     float facing = dot(n, v);
     return facing < 0.05 ? safe_normalize(n + (0.05 - facing) * v) : n;

@@ -4,7 +4,8 @@
 #include "lib/disc.glsl"
 
 layout(binding = 26) uniform sampler2DShadow t_local_shadow;
-// Per light of the table: first row of its tiles, how many tiles, filter radius in texels. Then per tile:
+// Per light of the table: first row of its tiles, how many tiles, filter radius in texels, 1 where its size softens its
+// shadows. Then per tile:
 //   right, u of its middle; up, v of its middle; forward, tangent of half its angle; half width in uv, texel per metre of
 //   depth, near, texel in uv
 layout(std430, binding = 11) readonly buffer LocalShadowBlock { vec4 local_shadows[]; };
@@ -22,12 +23,19 @@ uint cube_face(vec3 q)
     return 2u * axis + (along < 0.0 ? 1u : 0u);
 }
 
+#if SOFT_LAMPS
+#include "lib/soft_lamps.glsl"
+#endif
+
 // How much of light i reaches point p (relative to the origin), as far as things hide it: 1 all, 0 none. n: as shaded, unit.
 float local_visibility(uint i, vec3 p, vec3 n, uvec2 pixel)
 {
     vec4 head = local_shadows[i];
     if (head.y < 0.5) return 1.0;
     vec3 q = p - lights[i].position;
+#if SOFT_LAMPS
+    if (head.w > 0.5) return soft_visibility(i, head, q, dot(n, q) > 0.0 ? -n : n, pixel);
+#endif
     uint at = uint(head.x) + (head.y > 1.5 ? 4u * cube_face(q) : 0u);
     vec4 right = local_shadows[at];
     vec4 up = local_shadows[at + 1u];

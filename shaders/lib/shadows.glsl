@@ -203,6 +203,17 @@ float sun_visibility(vec3 p, vec3 n, vec3 f, uvec2 pixel)
     return lit + (1.0 - lit) * sat((depth - view.shadow_fade.x) * view.shadow_fade.y);
 }
 
+// Texels a metre of the map that a point reads, and how light to draw it: cells of 8 texels, light and dim; 0 where none.
+vec2 shadow_texels(vec3 p)
+{
+    float edge;
+    vec3 at = light_space(p);
+    int i = cascade_of(at, 0, edge);
+    if (i < 0 || view.shadow_cascades[2 * i].w <= 0.0) return vec2(0.0);
+    vec2 cell = floor((at.xy - view.shadow_cascades[2 * i].xy) / (8.0 * view.shadow_cascades[2 * i].w));
+    return vec2(1.0 / view.shadow_cascades[2 * i].w, 0.75 + 0.25 * mod(cell.x + cell.y, 2.0));
+}
+
 // Which cascade a point reads, as a colour; grey where none.
 vec3 cascade_tint(vec3 p)
 {

@@ -135,17 +135,32 @@ vec3 open_arc(ivec2 own, vec3 p, vec3 n, vec2 towards, float reach, float shift,
     return open;
 }
 
+// The way over the picture (rows go down) of a step from p along `side`, which is at a right angle to what p is seen along.
+vec2 over_picture(vec3 to_eye, vec3 side, vec3 right, vec3 up)
+{
+    vec2 step_ = vec2(dot(side, right), dot(side, up));
+    if (view.camera.w > 0.5) {
+        vec3 back = cross(right, up);
+        step_ -= dot(side, back) / max(dot(to_eye, back), 1e-30) * vec2(dot(to_eye, right), dot(to_eye, up));
+    }
+    return vec2(step_.x, -step_.y) * inversesqrt(max(dot(step_, step_), 1e-30));
+}
+
+// Slices are spread evenly around what p is seen along, not around the picture's axis, so that also at the picture's edge
+// they make up the whole hemisphere.
 vec4 ground_truth(ivec2 own, vec3 p, vec3 n, float reach, float turn, float shift)
 {
-    vec3 v = safe_normalize(view_vector(p));
+    vec3 to_eye = view_vector(p);
+    vec3 v = safe_normalize(to_eye);
     vec3 right = safe_normalize(view.place_x.xyz);
     vec3 up = safe_normalize(view.place_y.xyz);
+    vec3 across = safe_normalize(right - dot(right, v) * v);
+    vec3 upward = cross(v, across);
     vec4 sum = vec4(0.0);
     for (int i = 0; i < DIRECTIONS; ++i) {
         float angle = (float(i) + turn) * PI / float(DIRECTIONS);
-        vec2 towards = vec2(cos(angle), -sin(angle));  // rows of pixels go down
-        vec3 d = right * cos(angle) + up * sin(angle);
-        vec3 side = safe_normalize(d - dot(d, v) * v);
+        vec3 side = across * cos(angle) + upward * sin(angle);
+        vec2 towards = over_picture(to_eye, side, right, up);
         vec3 axis = cross(side, v);
         vec3 projected = n - axis * dot(n, axis);
         float size = max(length(projected), 1e-6);

@@ -18,11 +18,6 @@ vec4 picture_at(ivec2 p) { return texelFetch(t_picture, clamp(p, ivec2(0), ivec2
 
 float luma_at(ivec2 p) { return dot(picture_at(p).rgb, vec3(0.299, 0.587, 0.114)); }
 
-vec3 linear_from_srgb(vec3 c)
-{
-    return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), greaterThan(c, vec3(0.04045)));
-}
-
 // How far it is to where the edge ends, and what the luma is off there.
 vec2 end_of_edge(ivec2 p, ivec2 along, ivec2 across, float edge, float limit)
 {

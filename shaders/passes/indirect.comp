@@ -36,6 +36,20 @@ float weight_to(float t, float gamma)
     return t < 0.0 ? -area : area;
 }
 
+// Where places that lie along d from p are in the picture: unit, rows of pixels go down.
+vec2 picture_direction(vec3 p, vec3 d)
+{
+    vec3 right = safe_normalize(view.place_x.xyz);
+    vec3 up = safe_normalize(view.place_y.xyz);
+    vec2 along = vec2(dot(d, right), -dot(d, up));
+    if (view.camera.w > 0.5) {
+        vec3 q = p - view.camera.xyz;
+        float forward = dot(d, safe_normalize(view.place_z.xyz));
+        along = along * view_depth(p) - vec2(dot(q, right), -dot(q, up)) * forward;
+    }
+    return along * inversesqrt(max(dot(along, along), 1e-30));
+}
+
 struct Slice {
     vec3 side;
     vec3 v;
@@ -146,14 +160,15 @@ Gathered gather(ivec2 cell, ivec2 own, vec3 p, vec3 n, vec3 v, float reach)
     float turn = fract((float(pattern(cell)) + 0.5) / 16.0 + gi.turn);
     float shift = fract((float(pattern(cell.yx + ivec2(1, 2))) + 0.5) / 16.0 + gi.turn * 7.0);
     vec3 right = safe_normalize(view.place_x.xyz);
-    vec3 up = safe_normalize(view.place_y.xyz);
+    vec3 first = safe_normalize(right - dot(right, v) * v);
+    vec3 second = cross(v, first);
     for (int i = 0; i < DIRECTIONS; ++i) {
+        // even about v, which evenly in the picture would not be
         float angle = (float(i) + turn) * PI / float(DIRECTIONS);
-        vec2 towards = vec2(cos(angle), -sin(angle));  // rows of pixels go down
-        vec3 d = right * cos(angle) + up * sin(angle);
         Slice s;
         s.v = v;
-        s.side = safe_normalize(d - dot(d, v) * v);
+        s.side = cos(angle) * first + sin(angle) * second;
+        vec2 towards = picture_direction(p, s.side);
         vec3 axis = cross(s.side, v);
         vec3 projected = n - axis * dot(n, axis);
         s.size = max(length(projected), 1e-3);

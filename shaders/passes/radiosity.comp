@@ -1,6 +1,5 @@
 // What both layers send out as matt surfaces: light of suns and lamps, with their shadows, and what they emit. Also keeps
 // their depths and which way they face, in the form that the gather reads.
-#define GBUFFER_LAYOUT 0
 #include "lib/deep_layers.glsl"
 #include "lib/deep_read.glsl"
 #include "lib/lights.glsl"

@@ -1,6 +1,5 @@
 // Adds to what both layers send out themselves what they reflect of the light that was gathered at their coarse texels,
 // and of the environment's that is left there. In motion that is of the frame before, found where the place was then.
-#define GBUFFER_LAYOUT 0
 #include "lib/deep_layers.glsl"
 #include "lib/deep_read.glsl"
 #include "lib/environment.glsl"

@@ -113,7 +113,8 @@ void main()
     vec3 units = abs(off) / max(spread, vec3(1e-6));
     float farthest = max(units.x, max(units.y, units.z));
     vec3 held = rgb_of(mean + off / max(farthest, 1.0));
-    float part = dropped ? 1.0 : taa.part;
+    // each fetch between texels softens: the faster, the fewer frames; measured best for 0 to 3 pixels a frame
+    float part = dropped ? 1.0 : min(taa.part * (1.0 + min(length(moved), 2.0)), 1.0);
     vec4 result = vec4(mix(max(held, vec3(0.0)), now.rgb, part), mix(before.a, now.a, part));
     imageStore(i_mean, p, vec4(expanded(result.rgb), result.a));
 }

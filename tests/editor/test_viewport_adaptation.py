@@ -26,7 +26,7 @@ def test_it_draws_until_the_exposure_has_settled(metered: bool, monkeypatch: pyt
     image, views = session.image, []
     times = iter(range(1000))
     image.clock = lambda: float(next(times))
-    settings = SimpleNamespace(auto_exposure=metered)
+    settings = SimpleNamespace(auto_exposure=metered, takes_time=metered)
     monkeypatch.setattr(Session, "view", lambda _: SimpleNamespace(settings=settings, seconds=None))
 
     def render(view: Any) -> Any:

@@ -25,6 +25,21 @@ def test_projected_area_is_one(name: str, alpha: float) -> None:
     assert integral == pytest.approx(1.0, rel=2e-3 if alpha < 0.01 else 1e-3)
 
 
+@pytest.mark.parametrize("name", sorted(D_TERMS))
+@pytest.mark.parametrize("alpha", [0.05, 0.4, 1.0])
+def test_samples_are_spread_as_the_distribution(name: str, alpha: float) -> None:
+    """Of D (n.h), the part within an angle is what quadrature gives; stratified, so that chance has little say."""
+    u = np.stack([(np.arange(20000) + 0.5) / 20000, np.zeros(20000)], axis=1)
+    h = microfacet.sample_half(name, u, alpha)
+    np.testing.assert_allclose(np.linalg.norm(h, axis=1), 1.0, rtol=1e-12)
+    x, w = np.polynomial.legendre.leggauss(400)
+    for tangent in (0.3 * alpha, alpha, 2.0 * alpha):
+        t, dt = tangent**2 * (x + 1) / 2, tangent**2 * w / 2
+        cosine = 1 / np.sqrt(1 + t)
+        within = np.sum(D_TERMS[name](cosine, alpha) * cosine * math.pi * dt * cosine**3)
+        assert np.mean(h[:, 2] >= 1 / math.sqrt(1 + tangent**2)) == pytest.approx(within, abs=2e-4)
+
+
 def test_peaks_and_exponents() -> None:
     assert microfacet.exponent_of(math.sqrt(2 / (10 + 2))) == pytest.approx(10)
     assert microfacet.D_BlinnPhong(1.0, math.sqrt(2 / 12)) == pytest.approx(12 / (2 * math.pi))

@@ -72,6 +72,7 @@ class SceneSpec:
     shadow_filter: str = "pcf"
     local_shadows: str = "off"
     ambient_occlusion: str = "off"
+    gi: str = "off"
     bloom: float = 0.0
     auto_exposure: bool = False
     antialias: str = "none"
@@ -100,7 +101,7 @@ specs = st.builds(
     SceneSpec,
     bodies=st.lists(bodies, max_size=3).map(tuple),
     lights=st.lists(
-        st.sampled_from(["directional", "point", "spot", "dark", "rectangle", "disk", "profile"]), max_size=3
+        st.sampled_from(["directional", "point", "spot", "dark", "rectangle", "disk", "profile", "ball"]), max_size=3
     ).map(tuple),
     environment=st.sampled_from(["none", "uniform", "studio"]),
     environment_intensity=st.sampled_from([1.0, 1.0, 0.0]),
@@ -115,9 +116,10 @@ specs = st.builds(
     shadow_filter=st.sampled_from(["pcf", "pcf", *FILTERS]),
     local_shadows=st.sampled_from(["off", "all"]),
     ambient_occlusion=st.sampled_from(["off", "off", "off", *METHODS]),
+    gi=st.sampled_from(["off", "off", "off", "one", "many"]),
     bloom=st.sampled_from([0.0, 0.0, 0.3]),
     auto_exposure=st.sampled_from([False, False, True]),
-    antialias=st.sampled_from(["none", "fxaa", "taa"]),
+    antialias=st.sampled_from(["none", "fxaa", "smaa", "taa"]),
     path=st.sampled_from(["auto", *PATHS]),
     looks_away=st.sampled_from([False] * 7 + [True]),
     far_away=st.sampled_from([False] * 7 + [True]),
@@ -177,8 +179,9 @@ def build(stage: Stage, spec: SceneSpec, folder: Path) -> Camera:
         rows.append((node, mesh, 0, material))
     runtime.add_instances(rows)
     for number, kind in enumerate(spec.lights):
-        name = "point" if kind in ("dark", "profile") else kind
+        name = "point" if kind in ("dark", "profile", "ball") else kind
         light = LightAsset(name, (1.0, 0.8, 0.6), 0.0 if kind == "dark" else 1.5, 5.0)
+        light.radius = 0.3 if kind == "ball" else 0.0
         if kind == "profile":
             light.profile = str(folder / PROFILE)
         stage.lamp(light, np.add(origin, (0.6 - 0.5 * number, 0.7, 1.2)), quat.from_axis_angle((1.0, 0.3, 0.0), -0.4))

@@ -54,12 +54,18 @@ TOGGLES: dict[str, tuple[SceneSpec, SceneSpec, tuple[str, ...]]] = {
     "ambient_occlusion": (
         replace(BESIDE, environment="uniform"), replace(BESIDE, environment="uniform", ambient_occlusion="gtao"), (),
     ),
+    "indirect": (replace(BESIDE, environment="uniform"), replace(BESIDE, environment="uniform", gi="one"), ()),
     "bloom": (LIT, replace(LIT, bloom=0.3), ()),
     "auto_exposure": (LIT, replace(LIT, auto_exposure=True), ()),
     "fxaa": (LIT, replace(LIT, antialias="fxaa"), ()),
+    "smaa": (LIT, replace(LIT, antialias="smaa"), ()),
     "taa": (LIT, replace(LIT, antialias="taa"), ("motion",)),
     "local_shadows": (
         replace(SHADOWED, lights=("point",)), replace(SHADOWED, lights=("point",), local_shadows="all"), (),
+    ),
+    "soft_lamps": (
+        replace(SHADOWED, lights=("point",), local_shadows="all"),
+        replace(SHADOWED, lights=("ball",), local_shadows="all"), (),
     ),
     "area_lights": (replace(BARE, lights=("point",)), replace(BARE, lights=("disk",)), ()),
     "light_profiles": (replace(BARE, lights=("point",)), replace(BARE, lights=("profile",)), ()),

@@ -10,6 +10,7 @@ import pytest
 from engine.app.framing import frame_bounds
 from engine.assets.primitives import card, cube, uv_sphere
 from engine.assets.scene import LightAsset
+from engine.math import quat
 from engine.render.camera import Camera
 from engine.render.occlusion import METHODS, radius_of
 from engine.render.settings import RenderSettings
@@ -53,6 +54,82 @@ def test_beside_a_wall(stage, surface) -> None:
         x, y = int((p[0] / p[3] + 1) * 64), int((1 - p[1] / p[3]) * 64)
         expected = (1.0 + d / math.hypot(d, 1.0)) / 2.0
         assert seen[y, x] == pytest.approx(expected, abs=0.05), d
+
+
+def test_beside_an_endless_wall_what_is_far_hides_less(stage, surface) -> None:
+    """What a wall at distance x hides, with a fall-off of 1 - (d / radius)^2, by quadrature over the hemisphere."""
+    stage.look(kind="uniform", color=(1.0, 1.0, 1.0))
+    stage.add(card(40.0), surface(), rotation=FLAT)
+    stage.add(cube(1.0), surface(), position=(0.0, 10.0, -0.5), scale=(40.0, 20.0, 1.0))
+    camera = frame_bounds(np.array([-1, -0.1, -0.2]), np.array([1, 1, 1.8]), 1.0, azimuth=0.0, elevation=50.0)
+    seen = visibility(stage, camera, (160, 160), ao_radius=1.0, ao_directions=8, ao_steps=32)
+    clip = camera.clip_from_world(1.0)
+    u, v = (np.indices((400, 400)).reshape(2, -1) + 0.5) / 400.0
+    towards = np.sqrt(u) * np.cos(2.0 * np.pi * v)  # cosine-weighted directions' part towards the wall
+    for x in (0.25, 0.5, 0.75):
+        distance = np.where(towards > 1e-9, x / np.maximum(towards, 1e-9), np.inf)
+        expected = 1.0 - np.mean(np.clip(1.0 - distance**2, 0.0, 1.0))
+        p = clip @ np.array([0.0, 0.0, x, 1.0])
+        column, row = int((p[0] / p[3] + 1) * 80), int((1 - p[1] / p[3]) * 80)
+        assert seen[row, column] == pytest.approx(expected, abs=0.015), x
+
+
+def test_a_ball_hides_the_ground_that_it_stands_on(stage, surface) -> None:
+    stage.look(kind="uniform", color=(1.0, 1.0, 1.0))
+    stage.add(card(10.0), surface(), rotation=FLAT)
+    stage.add(uv_sphere(), surface(), position=(0.0, 0.5, 0.0))
+    camera = above(1.0, 0.8)
+    thin = visibility(stage, camera, ao_radius=0.3, ao_thickness=0.0)
+    thick = visibility(stage, camera, ao_radius=0.3)
+    assert (thick <= thin + 0.02).all()
+    assert (thin - thick).max() > 0.15
+
+
+def test_light_comes_from_where_it_is_open(stage, surface) -> None:
+    """Beside a wall, the ground is lit as ground that is tilted away from it would be."""
+    sky = {"kind": "sky", "sun_elevation": 0.3, "sun_azimuth": 1.2, "sun_illuminance": 0.0}
+    matt = {"base_color": (1.0, 1.0, 1.0, 1.0), "metallic": 0.0, "roughness": 1.0}
+    camera = above(1.0, 1.2)
+    tilted = {}
+    for side in (-1.0, 1.0):
+        stage.look(**sky)
+        turned = quat.multiply(quat.from_axis_angle((0.0, 0.0, 1.0), -0.5 * side), FLAT)
+        stage.add(card(10.0), surface(**matt), rotation=turned)
+        tilted[side] = float(stage.hdr((32, 32), camera)[16, 16].sum())
+    stage.look(**sky)
+    stage.add(card(10.0), surface(**matt), rotation=FLAT)
+    for x in (-1.0, 1.0):
+        stage.add(cube(1.0), surface(**matt), position=(x, 0.5, 0.0), scale=(0.4, 1.0, 3.0))
+    settings = {"ambient_occlusion": "gtao", "ao_radius": 0.8}
+    plain = stage.hdr((96, 96), camera, ao_bent=False, **settings)
+    bent = stage.hdr((96, 96), camera, **settings)
+    clip = camera.clip_from_world(1.0)
+    more = {}
+    for side in (-1.0, 1.0):
+        at = clip @ np.array([-side * 0.55, 0.0, 0.0, 1.0])  # open towards `side`
+        column, row = int((at[0] / at[3] + 1) * 48), int((1 - at[1] / at[3]) * 48)
+        more[side] = float(bent[row, column].sum() / plain[row, column].sum())
+    assert abs(tilted[1.0] / tilted[-1.0] - 1.0) > 0.05
+    assert (more[1.0] > more[-1.0]) == (tilted[1.0] > tilted[-1.0])
+    assert abs(more[1.0] - more[-1.0]) > 0.02
+    for path in PATHS:
+        assert np.array_equal(stage.hdr((96, 96), camera, path=path, **settings), bent), path
+
+
+def test_bounces_only_add_and_never_more_than_all(stage, surface) -> None:
+    """In a white furnace what hides is as bright as what it hides, so some of the light is still missing."""
+    camera = above(1.0, 1.2)
+    stage.look(kind="uniform", color=(1.0, 1.0, 1.0))
+    white = surface(base_color=(0.9, 0.9, 0.9, 1.0), metallic=0.0, roughness=1.0)
+    stage.add(card(10.0), white, rotation=FLAT)
+    stage.add(cube(1.0), white, position=(0.0, 0.5, 0.0))
+    settings = {"ambient_occlusion": "gtao", "ao_radius": 0.8, "ao_bent": False}
+    open_to_all = stage.hdr((64, 64), camera)
+    once = stage.hdr((64, 64), camera, **settings)
+    again = stage.hdr((64, 64), camera, ao_bounces=True, **settings)
+    assert (again >= once - 1e-3).all()
+    assert (again - once).max() > 0.05
+    assert (again <= open_to_all + 1e-3).all()
 
 
 @pytest.mark.parametrize("method", METHODS)

@@ -151,3 +151,16 @@ def test_all_paths(stage, surface) -> None:
     for stops, picture in pictures[1:]:
         assert stops == pictures[0][0]
         assert np.array_equal(picture, pictures[0][1])
+
+
+def test_each_view_has_an_eye_of_its_own(stage) -> None:
+    """Two views of one renderer, one bright, one dark, side by side: neither gets used to what the other shows."""
+    stage.look(kind="uniform", color=(1.0, 1.0, 1.0))
+    view = replace(stage.view((8, 8), front_camera(), **ON), seconds=0.02)
+    bright = float(stage.runtime.render(replace(view, key="a")).stats.counters["auto_exposure_ev"])
+    stage.runtime.scene.environment.intensity /= 256.0
+    dark = float(stage.runtime.render(replace(view, key="b")).stats.counters["auto_exposure_ev"])
+    assert dark == pytest.approx(bright + 8.0, abs=0.05), "it is the first thing that view sees"
+    slowly = float(stage.runtime.render(replace(view, key="a")).stats.counters["auto_exposure_ev"])
+    assert bright < slowly < bright + 1.0
+    assert float(stage.runtime.render(replace(view, key="a", cut=True)).stats.counters["auto_exposure_ev"]) == dark

@@ -72,7 +72,7 @@ def test_a_quantity_has_the_colour_of_its_legend(stage: Stage, surface, samples:
     assert picture[2, 2, :3].tolist() == [0, 0, 0]
 
 
-@pytest.mark.parametrize("view", ["depth", "overdraw", "texel_density", "light_tiles"])
+@pytest.mark.parametrize("view", ["depth", "overdraw", "texel_density", "shadow_texels", "light_tiles"])
 def test_legends_say_where_values_are(view: str) -> None:
     legend = legend_of(view, (0.24, 31.0))
     assert legend is not None
@@ -175,3 +175,31 @@ def test_texel_density_without_a_texture_is_grey(stage: Stage, surface) -> None:
     assert (stage.hdr(SIZE, front_camera(0.4), view="texel_density")[24, 24, :3] == 0.0).all()
     r, g, b = stage.ldr(SIZE, front_camera(0.4), view="texel_density")[24, 24, :3].tolist()
     assert r == g == b == 80
+
+
+def test_shadow_texels_are_those_of_the_map_that_is_read(stage: Stage, surface) -> None:
+    """Texels a metre, as the cascade has them; 0 (grey) without a sun."""
+    stage.look(kind="none", sun_illuminance=2.0, background="color", background_color=(0, 0, 0))
+    stage.add(card(1.0), surface(metallic=0.0))
+    seen = stage.hdr(SIZE, front_camera(0.4), view="shadow_texels", shadow_cascades=1, shadow_size=256)
+    texel = stage.runtime.renderer.rows.shadows.cascades[0].texel
+    assert seen[24, 24, 0] == pytest.approx(1.0 / texel, rel=1e-3)
+    assert 0.7 < seen[..., 3].min() < 0.8 < seen[..., 3].max()  # cells
+    stage.runtime.scene.environment.sun_illuminance = 0.0
+    assert (stage.hdr(SIZE, front_camera(0.4), view="shadow_texels")[24, 24, :3] == 0.0).all()
+
+
+def test_the_view_of_the_shadow_maps_shows_each_of_them(stage: Stage, surface) -> None:
+    """Cascades and the lamps' map side by side; a scene without shadows shows none; other views have no such pass."""
+    stage.look(kind="none", sun_illuminance=2.0, background="color", background_color=(0, 0, 0))
+    stage.add(card(1.0), surface(metallic=0.0))
+    bare = stage.ldr((60, 40), front_camera(0.4), view="shadow_maps", shadow_cascades=1, shadow_size=64)
+    stage.lamp(LightAsset("spot", intensity=5.0, casts_shadow=True), (0.0, 0.0, 1.0))
+    both = stage.ldr((60, 40), front_camera(0.4), view="shadow_maps", shadow_cascades=1, shadow_size=64)
+    light = [(picture[..., :3].min(axis=-1) > 100).mean() for picture in (bare, both)]
+    assert light[0] > 0.1
+    assert light[1] > 0.05
+    assert (bare != both).any()
+    stage.dark()
+    stage.add(card(1.0), surface(metallic=0.0))
+    assert len(np.unique(stage.ldr((60, 40), front_camera(0.4), view="shadow_maps")[..., :3])) == 1

@@ -1,4 +1,4 @@
-"""FXAA: nearer to the supersampled picture, flat areas to the bit, nothing where it is off."""
+"""FXAA and SMAA: nearer to the supersampled picture, flat areas to the bit, nothing where they are off."""
 
 from __future__ import annotations
 
@@ -16,6 +16,11 @@ pytestmark = pytest.mark.gl
 SIZE, FINER = (48, 40), 8
 
 
+@pytest.fixture(params=["fxaa", "smaa"])
+def form(request) -> str:
+    return str(request.param)
+
+
 def edge(stage, surface, degrees: float) -> None:
     """A grey card, turned, on black."""
     stage.dark()
@@ -29,20 +34,20 @@ def shown(stage, size=SIZE, **settings):
 
 
 @pytest.mark.parametrize("degrees", [4.0, 20.0, 33.0, 77.0])
-def test_edges_come_nearer_to_the_truth(stage, surface, degrees) -> None:
+def test_edges_come_nearer_to_the_truth(stage, surface, form, degrees) -> None:
     edge(stage, surface, degrees)
     fine = srgb_to_linear(shown(stage, (SIZE[0] * FINER, SIZE[1] * FINER))[..., 0] / 255.0)
     truth = fine.reshape(SIZE[1], FINER, SIZE[0], FINER).mean(axis=(1, 3))
-    bare, smooth = (srgb_to_linear(shown(stage, antialias=a)[..., 0] / 255.0) for a in ("none", "fxaa"))
+    bare, smooth = (srgb_to_linear(shown(stage, antialias=a)[..., 0] / 255.0) for a in ("none", form))
     before, after = (np.sqrt(np.mean((picture - truth) ** 2)) for picture in (bare, smooth))
     assert after < 0.7 * before
     assert smooth.sum() == pytest.approx(truth.sum(), rel=0.02)
 
 
-def test_what_has_no_edge_stays(stage, surface) -> None:
+def test_what_has_no_edge_stays(stage, surface, form) -> None:
     """Away from the card's edge no byte changes, and a mirrored picture gives the mirrored result."""
     edge(stage, surface, 20.0)
-    bare, smooth = shown(stage), shown(stage, antialias="fxaa")
+    bare, smooth = shown(stage), shown(stage, antialias=form)
     luma = bare[..., 0].astype(int)
     padded = np.pad(luma, 1, mode="edge")
     around = np.stack([padded[1 + dy : 41 + dy, 1 + dx : 49 + dx] for dy, dx in ((0, 1), (0, -1), (1, 0), (-1, 0))])
@@ -51,20 +56,20 @@ def test_what_has_no_edge_stays(stage, surface) -> None:
     assert np.array_equal(smooth[flat], bare[flat])
     assert (smooth != bare).any()
     edge(stage, surface, 0.0)
-    assert np.array_equal(shown(stage, antialias="fxaa"), shown(stage, antialias="fxaa")[::-1, ::-1])
+    assert np.array_equal(shown(stage, antialias=form), shown(stage, antialias=form)[::-1, ::-1])
 
 
-def test_off_is_nothing(stage, surface) -> None:
+def test_off_is_nothing(stage, surface, form) -> None:
     edge(stage, surface, 20.0)
     off = shown(stage)
     assert np.array_equal(shown(stage, force_all=True), off)
-    assert np.array_equal(shown(stage, samples=4, antialias="fxaa"), shown(stage, samples=4))
+    assert np.array_equal(shown(stage, samples=4, antialias=form), shown(stage, samples=4))
     view = {"view": "normal"}
-    assert np.array_equal(shown(stage, antialias="fxaa", **view), shown(stage, **view))
-    assert np.array_equal(shown(stage, force_all=True, antialias="fxaa"), shown(stage, antialias="fxaa"))
+    assert np.array_equal(shown(stage, antialias=form, **view), shown(stage, **view))
+    assert np.array_equal(shown(stage, force_all=True, antialias=form), shown(stage, antialias=form))
 
 
 @pytest.mark.parametrize("size", [(1, 1), (2, 1), (3, 17)])
-def test_small_pictures(stage, surface, size) -> None:
+def test_small_pictures(stage, surface, form, size) -> None:
     edge(stage, surface, 20.0)
-    assert shown(stage, size, antialias="fxaa").shape == (size[1], size[0], 4)
+    assert shown(stage, size, antialias=form).shape == (size[1], size[0], 4)

@@ -113,7 +113,7 @@ def test_nothing_in_the_frame_where_no_light_casts(stage, surface) -> None:
     quiet = LightAsset("spot", intensity=20.0, inner_angle=0.7, outer_angle=0.8)
     room(stage, surface, quiet)
     camera = down()
-    assert "no point or spot light that casts" in left_out(stage, camera)[0]
+    assert "no local light that casts" in left_out(stage, camera)[0]
     bare = stage.hdr((32, 32), camera)
     assert np.array_equal(stage.hdr((32, 32), camera, force_all=True), bare)
     assert not left_out(stage, camera, local_shadows="all")

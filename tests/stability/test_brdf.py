@@ -8,7 +8,9 @@ import pytest
 from engine.assets.primitives import card, uv_sphere
 from engine.assets.scene import LightAsset
 from engine.core.errors import InputError
-from engine.math import ggx
+from engine.experiments import brdf_half
+from engine.experiments.harness.context import Context
+from engine.math import ggx, microfacet
 from tests.stability import brdf_checks as checks
 from tests.stability.rows import covers
 from tests.support.shader_probe import ShaderProbe
@@ -56,6 +58,64 @@ def test_a_perfect_mirror_of_a_file_is_drawn(stage: Stage, roughness: float) -> 
 def test_impossible_roughness_is_refused_with_its_name(stage: Stage, roughness: float) -> None:
     with pytest.raises(InputError, match="roughness"):
         stage.add(uv_sphere(), surface(roughness=roughness))
+
+
+@covers("brdf.ggx-half-arithmetic")
+@pytest.mark.parametrize("term", sorted(brdf_half.TERMS))
+def test_terms_in_half_arithmetic_are_finite_and_near(term: str) -> None:
+    """Where the textbook form of GGX is no number in one of six, the robust ones stay within a tenth of float64."""
+    ctx = Context(quick=True)
+    x = brdf_half.inputs(ctx, 400, np.float16)
+    forms, truth = brdf_half.TERMS[term]
+    got = forms["robust"](x)
+    assert got.dtype == np.float16
+    assert np.isfinite(got).all()
+    assert np.quantile(np.abs(got.astype(float) / np.maximum(truth(x), 1e-4) - 1.0), 0.99) < 0.1
+    if term == "D GGX":
+        with np.errstate(all="ignore"):
+            assert (~np.isfinite(forms["textbook"](x))).mean() > 0.05
+    assert all(extreme.ok for extreme in brdf_half.extremes(ctx) if extreme.what.startswith(term))
+
+
+@covers("brdf.beckmann")
+def test_beckmann_where_the_half_vector_lies_in_the_surface(probe: ShaderProbe) -> None:
+    """The textbook form is infinity times zero there."""
+    cosine, alpha = (
+        x.reshape(-1) for x in np.meshgrid([-0.5, 0.0, 1e-12, 1e-6, 0.1, 0.5, 1.0], [0.002025, 0.05, 0.4, 1.0])
+    )
+    h = np.stack([np.sqrt(1.0 - cosine**2), 0.0 * cosine, cosine], 1)
+    up = [[0.0, 0.0, 1.0]]
+    got = probe("result.x = D_Beckmann(a, c, n, h);", "lib/microfacet.glsl", a=alpha, c=cosine, n=up, h=h)[:, 0]
+    assert np.isfinite(got).all()
+    a, c = alpha.astype(np.float32).astype(float), cosine.astype(np.float32).astype(float)
+    np.testing.assert_allclose(got, microfacet.D_Beckmann(c, a), rtol=1e-4, atol=1e-5)
+
+
+@covers("brdf.blinn-phong")
+@pytest.mark.parametrize("exponent", [0.0, 1.0, 1e2, 1e3, 1e4, 1e5, 1e6])
+def test_blinn_phong_with_any_exponent(probe: ShaderProbe, exponent: float) -> None:
+    """Near float64 where it is not small, and its projected area is 1."""
+    alpha = float(np.float32(np.sqrt(2.0 / (exponent + 2.0))))
+    nodes, weights = np.polynomial.legendre.leggauss(256)
+    s, ds = (nodes + 1.0) / 2.0, weights / 2.0
+    t, dt = alpha**2 * s / (1.0 - s), alpha**2 / (1.0 - s) ** 2  # tan^2, as GGX falls
+    cosine = 1.0 / np.sqrt(1.0 + t)
+    h = np.stack([np.sqrt(t) * cosine, 0.0 * cosine, cosine], 1).astype(np.float32)
+    up = [[0.0, 0.0, 1.0]]
+    got = probe("result.x = D_BlinnPhong(a, c, n, h);", "lib/microfacet.glsl", a=[alpha], c=h[:, 2], n=up, h=h)[:, 0]
+    assert np.isfinite(got).all()
+    h8 = h.astype(float) / np.linalg.norm(h.astype(float), axis=1, keepdims=True)
+    p = max(2.0 / alpha**2 - 2.0, 0.0)
+    expected = (p + 2.0) / (2.0 * np.pi) * np.exp(0.5 * p * np.log1p(-(h8[:, 0] ** 2)))
+    tall = expected > 1e-3 * expected.max()
+    np.testing.assert_allclose(got[tall], expected[tall], rtol=1e-3)
+    assert np.sum(ds * got * cosine * np.pi * dt * cosine**3) == pytest.approx(1.0, abs=1e-3)
+    least = probe(
+        "result.x = D_BlinnPhong(a, c, n, h);", "lib/microfacet.glsl",
+        a=[alpha], c=[-1.0, 0.0], n=up, h=[[0.0, 0.0, -1.0], [1.0, 0.0, 0.0]],
+    )[:, 0]  # fmt: skip
+    assert np.isfinite(least).all()
+    assert (least >= 0.0).all()
 
 
 @covers("brdf.grazing")

@@ -183,7 +183,9 @@ def test_a_branch_compiled_out_wrongly(
 
     if branch == "LOCAL_LIGHTS":  # decided per path
         local = variant_requests._local_lights
-        monkeypatch.setattr(variant_requests, "_local_lights", lambda s, facts, *r: local(s, facts, *r) * facts.force_all)
+        monkeypatch.setattr(
+            variant_requests, "_local_lights", lambda s, facts, *r: local(s, facts, *r) * facts.force_all
+        )
     monkeypatch.setattr(SceneFacts, "variant_defines", without)
     stage = Stage(gl_device)
     with pytest.raises(AssertionError, match="pixels differ"):

@@ -80,22 +80,49 @@ def metals(scene: MadeScene) -> None:
     scene.view_from = Camera(look_at((0.0, 0.0, 5.4), (0.0, 0.0, 0.0)), 0.55)
 
 
-def room(scene: MadeScene) -> None:
-    """A corner with a ball and a block, by two point lights and a spot: no surroundings."""
-    environment(scene, "none")
+def corner(scene: MadeScene, metallic: float, roughness: float) -> None:
+    """A floor and two walls with a ball and a block."""
     wall = surface(base_color=(0.75, 0.72, 0.68, 1.0), metallic=0.0, roughness=0.85)
     scene.add(plane(4.0), wall)
     scene.add(plane(4.0), wall, (0.0, 2.0, -2.0), quat.from_axis_angle((1.0, 0.0, 0.0), math.pi / 2))
     red = surface(base_color=(0.7, 0.15, 0.1, 1.0), metallic=0.0, roughness=0.85)
     scene.add(plane(4.0), red, (-2.0, 2.0, 0.0), quat.from_axis_angle((0.0, 0.0, 1.0), -math.pi / 2))
-    scene.add(uv_sphere(0.6, 32, 64), surface(base_color=(0.95, 0.9, 0.8, 1.0), metallic=1.0, roughness=0.35),
+    scene.add(uv_sphere(0.6, 32, 64), surface(base_color=(0.95, 0.9, 0.8, 1.0), metallic=metallic, roughness=roughness),
               (0.5, 0.6, -0.4))  # fmt: skip
     scene.add(cube(1.0), surface(base_color=(0.25, 0.5, 0.3, 1.0), metallic=0.0, roughness=0.5), (-0.9, 0.5, -0.8),
               quat.from_axis_angle((0.0, 1.0, 0.0), 0.5))  # fmt: skip
+    scene.view_from = Camera(look_at((1.5, 1.9, 4.2), (-0.1, 0.9, -0.6)), 0.75)
+
+
+def room(scene: MadeScene) -> None:
+    """A corner with a ball and a block, by two point lights and a spot: no surroundings."""
+    environment(scene, "none")
+    corner(scene, 1.0, 0.35)
     scene.lamp(LightAsset("point", (1.0, 0.85, 0.6), 5.0), (1.2, 2.6, 0.6))
     scene.lamp(LightAsset("point", (0.5, 0.7, 1.0), 2.0), (-1.2, 1.8, 1.2))
     scene.lamp(LightAsset("spot", (1.0, 1.0, 1.0), 12.0, inner_angle=0.2, outer_angle=0.5), (0.5, 3.2, -0.2), DOWN)
-    scene.view_from = Camera(look_at((1.5, 1.9, 4.2), (-0.1, 0.9, -0.6)), 0.75)
+
+
+def court(scene: MadeScene) -> None:
+    """The same corner of matt things under the sky without a sun: light from above alone."""
+    environment(scene, "sky", 1.0)
+    corner(scene, 0.0, 0.9)
+
+
+def nave(scene: MadeScene) -> None:
+    """Two rows of pillars that carry a vault of beams, open to the sides: deep, and dark towards its end."""
+    environment(scene, "uniform", 1.0)
+    floor(scene, 24.0)
+    stone = surface(base_color=(0.62, 0.58, 0.52, 1.0), metallic=0.0, roughness=0.9)
+    bays = [-8.0 + 2.0 * i for i in range(6)]
+    scene.add_many(cube(1.0), stone, [(x, 1.5, z) for x in (-1.6, 1.6) for z in bays], scale=(0.5, 3.0, 0.5))
+    scene.add_many(cube(1.0), stone, [(x, 0.15, z) for x in (-1.6, 1.6) for z in bays], scale=(0.8, 0.3, 0.8))
+    for i in range(9):
+        angle = math.pi * (i + 0.5) / 9.0
+        beam = quat.from_axis_angle((0.0, 0.0, 1.0), angle + math.pi / 2)
+        place = (1.7 * math.cos(angle), 3.0 + 1.7 * math.sin(angle), -3.0)
+        scene.add(cube(1.0), stone, place, beam, (0.62, 0.2, 12.0))
+    scene.view_from = Camera(look_at((0.4, 1.6, 4.0), (0.0, 1.9, -4.0)), 0.9)
 
 
 def panel(scene: MadeScene) -> None:
@@ -181,7 +208,7 @@ def nothing(scene: MadeScene) -> None:
 
 SAMPLES: dict[str, Callable[[MadeScene], None]] = {
     "nothing": nothing, "flat": flat, "ball": ball, "textured": textured, "glass": glass, "leaves": leaves,
-    "blocks": blocks, "room": room, "panel": panel, "crowd": crowd, "metals": metals,
+    "blocks": blocks, "room": room, "court": court, "nave": nave, "panel": panel, "crowd": crowd, "metals": metals,
 }  # fmt: skip
 
 

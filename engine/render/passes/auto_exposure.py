@@ -43,7 +43,7 @@ class AutoExposurePass(Pass):
         row["low"], row["high"] = settings.auto_low, settings.auto_high
         row["grey"], row["limit"] = GREY, settings.auto_limit
         row["darker"], row["brighter"] = adaptation(settings, frame.view.seconds)
-        row["known"] = frame.exposure.begin(frame.look.get("subject"))
+        row["known"] = frame.exposure.begin(frame.look.get("subject"), cut=frame.view.cut)
         histogram, state, result = frame.exposure.buffers
         block = frame.pass_block(self.name, row)
         width, height = ctx.size

@@ -1,4 +1,4 @@
-"""Depth of the scene as point and spot lights see it, in tiles of one map. What is as it was is not drawn."""
+"""Depth of the scene as local lights see it, in tiles of one map. What is as it was is not drawn."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from engine.framegraph.builder import Builder
 from engine.framegraph.passes import WHOLE_PICTURE, Pass, PassContext
 from engine.gpu.types import DepthAttachment, DepthState, SamplerDesc
 from engine.render.facts import SceneFacts
-from engine.render.frame import LOCAL_SHADOW_UNIT, RenderFrame
+from engine.render.frame import LOCAL_DEPTH_UNIT, LOCAL_SHADOW_UNIT, RenderFrame
 from engine.render.kept import KeptParts
 
 #: d32f: 1e-6 m / distance from the light, 0 where nothing casts; only the tiles of this frame mean anything
@@ -35,7 +35,7 @@ class LocalShadowsPass(Pass):
     def needs(self, facts: SceneFacts) -> bool | str:
         if facts.local_shadows:
             return True
-        return "no point or spot light that casts, nothing that casts or shows a shadow, or local shadows are off"
+        return "no local light that casts, nothing that casts or shows a shadow, or local shadows are off"
 
     def declare(self, b: Builder) -> None:
         width = b.facts.local_shadows or NO_ATLAS
@@ -79,4 +79,7 @@ def local_shadow_inputs(ctx: PassContext) -> dict[int, Any]:
     frame: RenderFrame = ctx.frame
     filter = "nearest" if frame.facts.shadow_quality.filter == "none" else "linear"
     compare = ctx.device.sampler(SamplerDesc("clamp", "clamp", "clamp", filter, filter, compare="gequal"))
-    return {LOCAL_SHADOW_UNIT: (ctx.texture(LOCAL_SHADOW), compare)}
+    bound = {LOCAL_SHADOW_UNIT: (ctx.texture(LOCAL_SHADOW), compare)}
+    if frame.facts.soft_lamps or frame.facts.force_all:
+        bound[LOCAL_DEPTH_UNIT] = (ctx.texture(LOCAL_SHADOW), frame.point_sampler)
+    return bound

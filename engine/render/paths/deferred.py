@@ -18,6 +18,7 @@ from engine.render.passes.opaque import OpaqueForwardPass, OpaquePass
 from engine.render.passes.radiosity import RadiosityPass
 from engine.render.passes.scene_color import SceneColorPass
 from engine.render.passes.shadow_cascades import ShadowCascadesPass
+from engine.render.passes.shadow_maps import ShadowMapsPass
 from engine.render.passes.shadow_moments import ShadowMomentsPass
 from engine.render.passes.sky import SkyPass
 from engine.render.passes.tiled_shading import TiledShadingPass
@@ -34,7 +35,7 @@ def deferred_passes() -> list[Pass]:
         OpaquePass(), LightVolumesPass(),
         LightResolvePass(), OpaqueForwardPass(), SkyPass(), LightCullingPass(),
         LateMotionPass(), SceneColorPass(), TransparentPass(),
-        LightHeatPass(), *lens_passes(),
+        LightHeatPass(), ShadowMapsPass(), *lens_passes(),
     ]  # fmt: skip
 
 
@@ -46,5 +47,5 @@ def tiled_deferred_passes() -> list[Pass]:
         DeepGbufferPass(), RadiosityPass(), BouncesPass(), IndirectPass(),
         OpaquePass(), LightCullingPass(),
         TiledShadingPass(), OpaqueForwardPass(), SkyPass(),
-        LateMotionPass(), SceneColorPass(), TransparentPass(), LightHeatPass(), *lens_passes(),
+        LateMotionPass(), SceneColorPass(), TransparentPass(), LightHeatPass(), ShadowMapsPass(), *lens_passes(),
     ]  # fmt: skip

@@ -15,6 +15,7 @@ from engine.render.passes.opaque import OpaquePass
 from engine.render.passes.radiosity import RadiosityPass
 from engine.render.passes.scene_color import SceneColorPass
 from engine.render.passes.shadow_cascades import ShadowCascadesPass
+from engine.render.passes.shadow_maps import ShadowMapsPass
 from engine.render.passes.shadow_moments import ShadowMomentsPass
 from engine.render.passes.sky import SkyPass
 from engine.render.passes.transparent import TransparentPass
@@ -26,5 +27,6 @@ def forward_passes() -> list[Pass]:
         ShadowCascadesPass(), ShadowMomentsPass(), LocalShadowsPass(), DepthPrepass(), MotionPass(),
         AmbientOcclusionPass(),
         DeepGbufferPass(), RadiosityPass(), BouncesPass(), IndirectPass(),
-        OpaquePass(), SkyPass(), LateMotionPass(), SceneColorPass(), TransparentPass(), LightHeatPass(), *lens_passes(),
+        OpaquePass(), SkyPass(), LateMotionPass(), SceneColorPass(), TransparentPass(),
+        LightHeatPass(), ShadowMapsPass(), *lens_passes(),
     ]  # fmt: skip

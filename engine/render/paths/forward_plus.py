@@ -16,6 +16,7 @@ from engine.render.passes.opaque import OpaquePass
 from engine.render.passes.radiosity import RadiosityPass
 from engine.render.passes.scene_color import SceneColorPass
 from engine.render.passes.shadow_cascades import ShadowCascadesPass
+from engine.render.passes.shadow_maps import ShadowMapsPass
 from engine.render.passes.shadow_moments import ShadowMomentsPass
 from engine.render.passes.sky import SkyPass
 from engine.render.passes.transparent import TransparentPass
@@ -28,5 +29,5 @@ def forward_plus_passes() -> list[Pass]:
         AmbientOcclusionPass(),
         DeepGbufferPass(), RadiosityPass(), BouncesPass(), IndirectPass(),
         LightCullingPass(), OpaquePass(), SkyPass(), LateMotionPass(), SceneColorPass(), TransparentPass(),
-        LightHeatPass(), *lens_passes(),
+        LightHeatPass(), ShadowMapsPass(), *lens_passes(),
     ]  # fmt: skip

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from engine.framegraph.passes import Pass
+from engine.render.extra_passes import EXTRA
 from engine.render.passes.auto_exposure import AutoExposurePass
 from engine.render.passes.bloom import BloomPass
 from engine.render.passes.fxaa import FxaaPass
 from engine.render.passes.resolve import ResolvePass
+from engine.render.passes.smaa import SmaaPass
 from engine.render.passes.taa import TaaPass
 from engine.render.passes.tone_map import ToneMapPass
 
 
 def lens_passes() -> list[Pass]:
-    return [TaaPass(), AutoExposurePass(), BloomPass(), ResolvePass(), ToneMapPass(), FxaaPass()]
+    filters = [FxaaPass(), SmaaPass()]
+    return [TaaPass(), AutoExposurePass(), BloomPass(), ResolvePass(), ToneMapPass(), *filters, *EXTRA.make()]

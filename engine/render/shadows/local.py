@@ -1,4 +1,4 @@
-"""LocalShadows: the tiles of a frame's point and spot lights, who casts into each, and when one must be drawn again."""
+"""LocalShadows: the tiles of a frame's local lights, who casts into each, and when one must be drawn again."""
 
 from __future__ import annotations
 
@@ -18,7 +18,10 @@ from engine.scene.scene import Scene
 
 F8 = NDArray[np.float64]
 
+#: of LIGHT_TYPES; all from POINT on are local, and but for spots they shine all around or nearly so
 POINT, SPOT = 1, 2
+#: texels that lookups of a soft spot may go beyond its cone
+SOFT_GUARD = 12.0
 #: metres; depth in a tile is NEAR / distance, and nearer things are drawn at its end (reversed, endless)
 NEAR = 1e-6
 #: vec4s per tile in the buffer
@@ -59,6 +62,8 @@ class LocalShadows:
     tiles: list[Tile] = field(default_factory=list)
     casters: NDArray[np.bool_] = field(default_factory=lambda: np.zeros((0, 0), np.bool_))
     findings: Findings = field(default_factory=Findings)
+    #: whether the size of one of the lights softens its shadows
+    soft: bool = False
     _seen: tuple[object, ...] = ()
     _world: NDArray[np.void] | None = None
     _rows: bytes = b""
@@ -78,17 +83,17 @@ class LocalShadows:
         seen = (
             id(scene), scene.transform_rev, scene.instances.bounds_rev, scene.instances.drawn_rev,
             camera.position.tobytes(), camera.ymag, settings.local_shadows, settings.local_shadow_size,
-            settings.local_shadow_lights, settings.shadow_softness, state, receiving,
+            settings.local_shadow_lights, settings.shadow_softness, settings.soft_lamps, state, receiving,
         )  # fmt: skip
         if seen == self._seen and lights is self._world:
             return False
         self._seen, self._world = seen, lights
         wanted = np.zeros(len(lights), np.bool_)
         if settings.local_shadows != "off" and receiving and casting.any():
-            wanted = (lights["type"] == POINT) | (lights["type"] == SPOT)
+            wanted = lights["type"] >= POINT
             if settings.local_shadows == "auto":
                 wanted &= lights["casts_shadow"]
-        self.findings = Findings()
+        self.findings, self.soft = Findings(), False
         before, self.tiles = [tile.key for tile in self.tiles], []
         rows = np.zeros((len(lights), 4), np.float32)
         masks: list[NDArray[np.bool_]] = []
@@ -117,21 +122,24 @@ class LocalShadows:
         share, weight = _importance(view, part, center, radius)
         tiles = divide(share, weight, np.where(one, 1, 6), atlas, int(settings.local_shadow_lights))
         self._tell(part, tiles.width, settings.local_shadow_lights)
+        size = np.hypot(part["half_size"][:, 0], part["half_size"][:, 1]).astype(np.float64)
+        soft = (part["half_size"].max(axis=1, initial=0.0) > 0.0) & bool(settings.soft_lamps)
+        self.soft = bool((soft & (tiles.width > 0)).any())
         cube = cube_axes()
         blocks = [rows]
         first = len(lights)
         for i in np.flatnonzero(tiles.width):
             light, width = part[i], int(tiles.width[i])
             position = light["position"].astype(np.float64)
-            blur = filter_radius(float(settings.shadow_softness), width)
+            blur = filter_radius(SOFT_GUARD if soft[i] else float(settings.shadow_softness), width)
             inner = math.tan(max(cone[i], 1e-3)) if one[i] else 1.0
             tangent = widened(inner, width, blur)
             views = spot_axes(light["direction"].astype(np.float64))[None] if one[i] else cube
             away = center - position
             near = np.ones(len(solid), np.bool_)
             if light["range"] > 0.0:
-                near = np.linalg.norm(away, axis=1) <= float(light["range"]) + radius
-            rows[chosen[i]] = (first, len(views), blur, 0.0)
+                near = np.linalg.norm(away, axis=1) <= float(light["range"]) + size[i] + radius
+            rows[chosen[i]] = (first, len(views), blur, float(soft[i]))
             for face, axes in enumerate(views):
                 x, y = (int(v) for v in tiles.corner[i, face])
                 inside = near & seen_by(axes, tangent, away, radius)

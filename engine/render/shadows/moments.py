@@ -1,13 +1,14 @@
-"""Shadow maps that can be blurred: moments of depth, and how much light they leave. Float64 twins of shaders/lib/shadow_moments.glsl.
+"""Shadow maps that can be blurred: moments of depth, and how much light they leave. Float64 twins of what is in
+shaders/lib/shadow_moments.glsl.
 
 A lookup gets the mean of some powers of the depths around it, and from these a bound of the part that lies before the
 receiver. Depth here is z = 1 - 2 d of the map's reversed depth d: -1 towards the light, 1 away from it.
 
-    esm     E exp(c (z - 1))                  Annen, Mertens, Seidel, Flerackers and Kautz 2008, "Exponential shadow maps"
-    vsm     E z, E z^2                        Donnelly and Lauritzen 2006, "Variance shadow maps"
-    evsm2   the same of exp(c z)              Lauritzen and McCool 2008, "Layered variance shadow maps", section 7
+    esm     E exp(c (z - 1))               Annen, Mertens, Seidel, Flerackers and Kautz 2008, "Exponential shadow maps"
+    vsm     E z, E z^2                     Donnelly and Lauritzen 2006, "Variance shadow maps"
+    evsm2   the same of exp(c z)           Lauritzen and McCool 2008, "Layered variance shadow maps", section 7
     evsm4   and of -exp(-c z)
-    msm     E z .. E z^4                      Peters and Klein 2015, "Moment shadow mapping"
+    msm     E z .. E z^4                   Peters and Klein 2015, "Moment shadow mapping"
 
 All are bounds from one side: more light comes through than should where several things cast over each other (`leak`
 takes the least of it away), and never less over a receiver that is flat.

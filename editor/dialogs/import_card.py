@@ -1,0 +1,141 @@
+"""The import card: beside the picture after an import, until it is put away: what came in, what is odd about it, and
+buttons that mend the usual mistakes. No modal: everything else goes on."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from imgui_bundle import imgui
+
+from editor import icons, import_settings, theme
+from editor.import_settings import FIXES, can_import
+from editor.panels.viewport import ViewportPanel
+from editor.reimporting import stamp_of
+from editor.ui import Ui
+from editor.widgets import bold, em, fitted, text, tooltip
+from engine.core.errors import LucarnaError
+from engine.core.findings import Severity
+from importers.presets import sidecar_path
+from importers.settings import ImportSettings
+
+#: findings and orphans that are listed; of more, their count
+LISTED = 6
+FLAGS = (
+    imgui.WindowFlags_.no_saved_settings | imgui.WindowFlags_.no_docking | imgui.WindowFlags_.always_auto_resize
+    | imgui.WindowFlags_.no_focus_on_appearing | imgui.WindowFlags_.no_nav | imgui.WindowFlags_.no_title_bar
+    | imgui.WindowFlags_.no_move
+)  # fmt: skip
+
+
+class ImportCard:
+    NAME = "###import-card"
+
+    def __init__(self) -> None:
+        self._key: object = None
+        self._facts: dict[str, str] = {}
+        self._read: tuple[object, ImportSettings] | None = None
+
+    def draw(self, ui: Ui) -> None:
+        session = ui.session
+        document = session.document
+        if not session.ui.import_card or document is None or not can_import(session):
+            return
+        assert document.imported_from is not None
+        key = (id(document.runtime), document.history.revision)
+        if key != self._key:
+            self._key, self._facts = key, import_settings.facts(document)
+        area = imgui.get_main_viewport()
+        found = imgui.internal.find_window_by_name(f"###{ViewportPanel.title}")
+        right, top = (
+            (found.pos.x + found.size.x, found.pos.y) if found is not None else (area.pos.x + area.size.x, area.pos.y)
+        )
+        imgui.set_next_window_pos((right - em(0.8), top + em(13.5)), imgui.Cond_.always, (1.0, 0.0))
+        imgui.set_next_window_size_constraints((em(19), 0), (em(23), em(36)))
+        imgui.set_next_window_bg_alpha(0.95)
+        imgui.begin(self.NAME, None, FLAGS)
+        with bold(ui):
+            imgui.text_unformatted(f"{icons.MESH}  {fitted(document.imported_from.name, em(15))}")
+        imgui.same_line(em(20.6))
+        if imgui.small_button("×"):
+            session.ui.import_card = False
+        tooltip("Put it away; File, Import card brings it back")
+        for name, value in self._facts.items():
+            text(name, theme.DIM)
+            imgui.same_line(em(5.2))
+            imgui.text_unformatted(fitted(value, em(16.5)))
+        self._fixes(ui)
+        self._news(ui)
+        imgui.end()
+
+    def _settings(self, source: Path) -> ImportSettings:
+        """Read again only when the sidecar changed."""
+        key = source, stamp_of(sidecar_path(source))
+        if self._read is None or self._read[0] != key:
+            self._read = key, import_settings.settings_of(source)
+        return self._read[1]
+
+    def _fixes(self, ui: Ui) -> None:
+        session = ui.session
+        assert session.document is not None
+        source = session.document.imported_from
+        assert source is not None
+        imgui.separator()
+        try:
+            settings = self._settings(source)
+        except LucarnaError as error:
+            text(f"{icons.ERROR} {error}", theme.ERROR)
+            return
+        busy = session.importing is not None
+        imgui.begin_disabled(busy)
+        room = imgui.get_content_region_avail().x
+        used = 0.0
+        for fix in FIXES:
+            width = imgui.calc_text_size(fix.label).x + 2 * imgui.get_style().frame_padding.x
+            if used and used + width + em(0.4) < room:
+                imgui.same_line(0, em(0.4))
+            else:
+                used = 0.0
+            used += width + em(0.4)
+            on = import_settings.is_on(settings, fix)
+            if on:
+                imgui.push_style_color(imgui.Col_.button, imgui.ImVec4(*theme.ACCENT[:3], 0.35))
+            if imgui.button(f"{fix.label}###{fix.id}"):
+                ui.operations.run(f"import.{fix.id}", session)
+            if on:
+                imgui.pop_style_color()
+            tooltip(f"{fix.doc}\n{'Again takes it back. ' if not fix.factor else ''}Kept in the source's sidecar")
+        imgui.end_disabled()
+        said = {k: v for k, v in settings.differences().items() if k != "quality"}
+        if busy:
+            text(session.importing.text if session.importing is not None else "", theme.ACCENT)
+        elif said:
+            text(fitted(", ".join(f"{k} {v}" for k, v in said.items()), em(21)), theme.FAINT)
+
+    def _news(self, ui: Ui) -> None:
+        """What the last import noticed, and what found no place in it."""
+        document = ui.session.document
+        assert document is not None
+        news = document.news
+        findings = list(news.findings.items) if news is not None else list(document.findings.items)
+        bad = [f for f in findings if f.severity is not Severity.INFO]
+        lines = [(icons.WARNING, theme.WARNING, f"Orphan: {line}") for line in (news.orphans if news else ())]
+        if news is not None and news.report is not None:
+            lines += [(icons.WARNING, theme.WARNING, f"Both changed {line}") for line in news.report.conflicts]
+        lines += [
+            (icons.ERROR if f.severity is Severity.ERROR else icons.WARNING, theme.WARNING, f.message) for f in bad
+        ]
+        if news is not None and news.report is not None:
+            imgui.separator()
+            imgui.push_text_wrap_pos(em(21.5))
+            text(news.report.summary, theme.DIM)
+            imgui.pop_text_wrap_pos()
+            tooltip("The log has every line of it")
+        for icon, color, line in lines[:LISTED]:
+            text(icon, color)
+            imgui.same_line(0, em(0.4))
+            imgui.text_unformatted(fitted(line, em(20)))
+            tooltip(line)
+        if len(lines) > LISTED:
+            text(f"and {len(lines) - LISTED} more, in the log", theme.FAINT)
+        elif not lines:
+            text("No warnings", theme.GOOD)
