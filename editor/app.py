@@ -61,6 +61,8 @@ class App:
         self._settled = 0
         self._wheeled = -1e9
         self._focus = ""
+        #: panels whose tabs come to the front once a workspace is there
+        self._front: tuple[str, ...] = ()
         self.params = self._make_params(size, remember_layout)
 
     def run(self) -> None:
@@ -190,7 +192,8 @@ class App:
         session.interacting = not self.frames and self._interacting(io)
         session.tick(min(float(io.delta_time), 0.25))
         turntable.step(session, float(io.delta_time))
-        keys.run_shortcuts(self.ui, flying=self.panel(ViewportPanel).flying)
+        self.ui.flying = self.panel(ViewportPanel).flying
+        keys.run_shortcuts(self.ui, flying=self.ui.flying)
         self._requests()
         jobs = (session.job, session.importing, session.work, session.image.compiling)
         working = any(job is not None for job in jobs)
@@ -281,11 +284,16 @@ class App:
             return
         preferences.workspace = name
         hello_imgui.switch_layout(name)
+        self._front = layout.named(name).front
         self.ui.session.remember()
 
     def _arrange(self) -> None:
         """Between two frames: keep the arrangement in a slot, or take it from one."""
         requests = self.ui.session.ui
+        if self._front and self.params.docking_params.layout_name == self.ui.session.preferences.workspace:
+            for panel, window in zip(self.panels, self.params.docking_params.dockable_windows, strict=True):
+                window.focus_window_at_next_frame = panel.title in self._front
+            self._front = ()
         if requests.layout_slot is not None and self.ui.drawn:
             request, requests.layout_slot = requests.layout_slot, None
             requests.notice = layout_slots.run(request, self.params.docking_params.dockable_windows)

@@ -12,16 +12,18 @@ from editor.comparing.operations import add_compare_operations
 from editor.direct_operations import add_direct_operations
 from editor.document_operations import add_document_operations
 from editor.editing_operations import add_editing_operations
+from editor.import_operations import add_import_operations
 from editor.layout_operations import add_layout_operations
 from editor.looks import add_look_operations
-from editor.import_operations import add_import_operations
 from editor.material_operations import add_material_operations
 from editor.navigation import PRESETS
 from editor.operations import Operation, Operations, always
+from editor.prefab_operations import add_prefab_operations
 from editor.session import Session
 from editor.strings import LANGUAGES
 from editor.surroundings import add_surroundings_operations
 from editor.turntable import add_turntable_operations
+from editor.welcome import add_welcome_operations
 from engine.render.settings import DEBUG_VIEWS, VIEW_LEGENDS
 
 #: the debug views in the order of their keys: 1 to 9, then the same with Shift
@@ -442,11 +444,13 @@ def builtin_operations() -> Operations:
     add_editing_operations(ops)
     add_document_operations(ops)
     add_import_operations(ops)
+    add_prefab_operations(ops)
     add_compare_operations(ops)
     add_layout_operations(ops)
     add_look_operations(ops)
     add_surroundings_operations(ops)
     add_turntable_operations(ops)
+    add_welcome_operations(ops)
     add_animation_operations(ops)
     add_direct_operations(ops)
     return ops

@@ -40,7 +40,7 @@ def run(args: argparse.Namespace) -> int:
             "there is no display to open a window on",
             hint="set DISPLAY, or run under xvfb-run; `lucarna render` needs none",
         )
-    from editor import journal, preferences
+    from editor import journal, preferences, welcome
     from editor.app import App
     from editor.builtin_operations import builtin_operations
     from editor.host import EngineHost
@@ -62,7 +62,7 @@ def run(args: argparse.Namespace) -> int:
     if args.path is not None:
         session.open(args.path)
     elif not picture and not session.preferences.welcome_seen:
-        session.ui.welcome = True
+        welcome.greet(session)
     app.run()
     if picture:
         from imgui_bundle import hello_imgui

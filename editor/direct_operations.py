@@ -34,10 +34,29 @@ def add_direct_operations(ops: Operations) -> None:
     ) -> None:  # fmt: skip
         ops.add(Operation(id, label, run, "", (), enabled, None, False, about, arguments, sample))
 
+    def _export_keys(session: Session, path: Path) -> None:
+        from editor.keymap import Keymap
+
+        Keymap(ops, session.preferences).export_to(path.absolute())
+        session.ui.notice = f"Keys written to {path.name}"
+
+    def _import_keys(session: Session, path: Path) -> None:
+        from editor.keymap import Keymap
+
+        unknown = Keymap(ops, session.preferences).import_from(path)
+        for id in unknown:
+            session.messages.warn(f"The keymap has keys for {id}, which there is not", where=str(path))
+        session.remember()
+
     add("file.open-path", "Open this path", _open, Argument("path", "path", doc="a project, folder, scene or model"),
         enabled=lambda s: True, about="As File, Open, without the dialog")  # fmt: skip
     add("file.save-to", "Save to this path", _save_to, Argument("path", "path", doc="a .scene.json file"),
         about="As File, Save as, without the dialog")  # fmt: skip
+
+    add("help.export-keymap", "Export keys", _export_keys, Argument("path", "path", doc="a .json file"),
+        enabled=lambda s: True, about="Preset and what was changed of it")  # fmt: skip
+    add("help.import-keymap", "Import keys", _import_keys, Argument("path", "path", doc="what an export wrote"),
+        enabled=lambda s: True, about="In the place of the changes of that preset")  # fmt: skip
 
     add("select.nodes", "Select these nodes", _select, Argument("nodes", "nodes", doc="names or rows"),
         about="In this order; the last is the primary one")  # fmt: skip

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -41,6 +41,7 @@ class Document:
         self.tables = tables_of(runtime)
         self.history = History(self._write)
         self.selection: tuple[int, ...] = ()
+        self._selected: tuple[tuple[int, ...], frozenset[int]] = ((), frozenset())
         self.name = resolved.project_name or resolved.source.name
         #: (table, column, row) -> the value the user gave it: what saving adds to the scene as it was opened
         self.overrides: dict[tuple[str, str, int], Any] = {}
@@ -57,6 +58,11 @@ class Document:
         self.doing = ""
         #: where this document was saved in this session, or None
         self.saved_to: Path | None = None
+        #: the prefabs of its instances, as they were when they came (engine.assets.prefab.instance_nodes)
+        self.prefabs: dict[Path, list[Any]] = {}
+        self.prefab_stamps: dict[Path, tuple[int, int]] = {}
+        #: errors that were told of already
+        self.noted: set[str] = set()
         #: called after the scene under this document became another one (see commands.replacement)
         self.on_replaced: Callable[[], None] | None = None
         self._bounds: dict[tuple[int, ...], tuple[NDArray[np.float64], NDArray[np.float64]]] = {}
@@ -91,6 +97,13 @@ class Document:
             unsaid = tuple((part, row) for part, row in pairs if (table, part, row) not in self.overrides)
             command = replace(command, unsaid=(unsaid, ()))
         self.history.do(command, gesture)
+
+    @property
+    def selected(self) -> frozenset[int]:
+        """The selection, to look rows up in."""
+        if self._selected[0] is not self.selection:
+            self._selected = self.selection, frozenset(self.selection)
+        return self._selected[1]
 
     def select(self, row: int, *, toggle: bool = False) -> None:
         """Select `row` alone (-1: nothing), or with `toggle` add or take it away."""
@@ -189,14 +202,20 @@ class Document:
             self._joint_boxes[mesh] = joint_boxes(asset)
         return posed_box(scene, asset, self._joint_boxes[mesh], instance)
 
+    @property
+    def children(self) -> Mapping[int, list[int]]:
+        """Row -> its live child rows in table order, without those that have none; -1: the roots."""
+        return self._children()
+
     def _children(self) -> dict[int, list[int]]:
         scene = self.runtime.scene
         key = (int(scene.structure_rev), len(scene.nodes.name))
         if self._children_cache is None or self._children_cache[0] != key:
             children: dict[int, list[int]] = {}
             parents, alive = np.asarray(scene.nodes.parent), np.asarray(scene.nodes.alive)
-            for row in np.flatnonzero(alive[: len(parents)]):
-                children.setdefault(int(parents[row]), []).append(int(row))
+            rows = np.flatnonzero(alive[: len(parents)])
+            for row, parent in zip(rows.tolist(), parents[rows].tolist(), strict=True):
+                children.setdefault(parent, []).append(row)
             self._children_cache = (key, children)
         return self._children_cache[1]
 

@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from editor import scripting
+from editor import scripting, surface
 from editor.bookmarks import add_bookmark_operations
 from editor.commands import structure
 from editor.document import Document
@@ -45,6 +45,8 @@ def add_editing_operations(ops: Operations) -> None:
     add("edit.select-children", "Select children", _select_children, "Shift+C", menu="Edit", enabled=sel)
     add("edit.isolate", "Isolate selection", isolate, "Shift+H", menu="Edit", checked=_isolated,
         about="Hide all other meshes; again to bring them back")  # fmt: skip
+    add("edit.drop", "Drop onto what is below", surface.drop, "End", menu="Edit", enabled=sel,
+        about="Straight down to the next surface, else the ground; Shift while dragging stands it on any")  # fmt: skip
     add("edit.lock", "Lock or unlock selection", _lock, "L", menu="Edit", enabled=sel,
         about="A locked node is not selected in the viewport and not moved by the gizmo")  # fmt: skip
     add("edit.unlock-all", "Unlock all", _unlock_all, menu="Edit", enabled=_has_locked)
@@ -63,7 +65,8 @@ def add_editing_operations(ops: Operations) -> None:
     ):  # fmt: skip
         run, checked = _tool(mode)
         add(f"tool.{mode}", f"{label} tool", run, key, menu="Edit", enabled=always, checked=checked,
-            separator=mode == "select", about="Hold Ctrl to snap" if mode != "select" else "")  # fmt: skip
+            separator=mode == "select", about="Hold Ctrl to snap, Shift to stand on surfaces" if mode == "move"
+            else "Hold Ctrl to snap" if mode != "select" else "")  # fmt: skip
     add("tool.local", "Local axes", _toggle_local, "X", menu="Edit", enabled=always, checked=lambda s: s.tools.local)
     add("tool.measure", "Measure", _toggle_measure, "M", menu="View", separator=True,
         checked=lambda s: s.tools.measuring, about="Click two points: their distance in metres")  # fmt: skip

@@ -1,4 +1,5 @@
-"""The gizmo in the viewport: ImGuizmo's handles round the selection, one undo entry per drag."""
+"""The gizmo in the viewport: ImGuizmo's handles round the selection, one undo entry per drag. Ctrl snaps to a grid,
+Shift to the surface under the pointer."""
 
 from __future__ import annotations
 
@@ -8,7 +9,7 @@ import numpy as np
 from imgui_bundle import imgui, imguizmo
 from numpy.typing import NDArray
 
-from editor import gizmo
+from editor import gizmo, surface
 from editor.document import Document
 from editor.gizmo import Grip
 from editor.ui import Ui
@@ -32,6 +33,10 @@ class GizmoWidget:
         self._start: NDArray[np.float64] = np.eye(4)
         self._held: NDArray[np.float64] = np.eye(4)
         self._serial = 0
+        #: where the middle of what is held touches the ground when the drag begins, world
+        self._foot: NDArray[np.float64] = np.zeros(3)
+        #: the picture in the window: x, y, width, height
+        self._area = (0.0, 0.0, 1.0, 1.0)
         self._rows_key: object = None
         self._rows: tuple[int, ...] = ()
 
@@ -46,6 +51,7 @@ class GizmoWidget:
         if pivot is None or not np.isfinite(pivot).all():
             self._let_go(ui)
             return
+        self._area = (x, y, width, height)
         camera = session.camera
         view, clip = gizmo.camera_matrices(camera, width / max(height, 1.0))
         held = self._held if self.using else pivot @ TILT if mode == "scale" else pivot
@@ -69,6 +75,8 @@ class GizmoWidget:
             self._grip = gizmo.begin(document, local=_local(ui))
             self._start = _from_widget(_to_widget(relative))
             self._serial += 1
+            if self._grip is not None:
+                self._foot = surface.foot_of(document, self._grip)
         self.busy = using or (bool(_g.is_over()) and not blocked)
         self.using = using
         now = _from_widget(matrix)
@@ -109,11 +117,20 @@ class GizmoWidget:
                 delta[:3, 3] = at - delta[:3, :3] @ at
             else:
                 delta[:3, 3] = now[:3, 3] - self._start[:3, 3]
+                on = self._surface(ui, grip) if imgui.get_io().key_shift else None
+                if on is not None:
+                    delta[:3, 3] = on - self._foot
             values = gizmo.moved(grip, delta, mode)
         count = len(grip.rows)
         what = session.node_name(grip.rows[0]) if count == 1 else f"{count} nodes"
         label = f"{VERBS[mode]} {what}"
         session.edit("nodes", "local", grip.rows, values, gesture=("gizmo", self._serial), label=label)
+
+    def _surface(self, ui: Ui, grip: Grip) -> NDArray[np.float64] | None:
+        """The point of the scene under the pointer that is not what is dragged; None beside everything."""
+        x, y, width, height = self._area
+        pointer = imgui.get_io().mouse_pos
+        return surface.under(ui.session, grip.rows, (pointer.x - x) / width, (pointer.y - y) / height)
 
     def _let_go(self, ui: Ui) -> None:
         if self._grip is not None:

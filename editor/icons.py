@@ -6,6 +6,7 @@ from imgui_bundle import icons_fontawesome_6 as fa
 
 APP = fa.ICON_FA_MOUNTAIN_SUN
 MESH = fa.ICON_FA_CUBE
+PACKAGE = fa.ICON_FA_CUBES
 LIGHT = fa.ICON_FA_LIGHTBULB
 CAMERA = fa.ICON_FA_VIDEO
 GROUP = fa.ICON_FA_DIAGRAM_PROJECT

@@ -25,7 +25,7 @@ from typing import IO, TYPE_CHECKING, Any
 
 from editor.commands.command import Command, Edit
 from editor.commands.replacement import FileStep, Replacement
-from editor.commands.structure import StructureCommand
+from editor.commands.structure import StructureCommand, load
 from engine.core.errors import InputError, LucarnaError
 from engine.core.findings import Findings
 from engine.core.paths import user_config_dir
@@ -89,12 +89,12 @@ class Journal:
 
     def rebase(self) -> None:
         """The scene under the document became another one: what stands now is what a replay begins with."""
-        from editor.saving import edited_scene
+        from editor.saving import current_scene
         from engine.assets.scene_json import write_scene
 
         self._rebased += 1
         try:
-            asset = edited_scene(self.document.runtime, self.document.overrides)
+            asset = current_scene(self.document)
             write_scene(base_of(self.path, self._rebased), asset)
             self._line({"e": "rebased", "base": self._rebased, **self._place()})
             for (table, column, row), value in self.document.overrides.items():
@@ -140,11 +140,11 @@ class Journal:
 
     def snapshot(self) -> Path:
         """Write the edited scene beside the journal, and the journal to the disk."""
-        from editor.saving import edited_scene
+        from editor.saving import current_scene
         from engine.assets.scene_json import write_scene
 
         path = snapshot_of(self.path)
-        write_scene(path, edited_scene(self.document.runtime, self.document.overrides))
+        write_scene(path, current_scene(self.document))
         os.fsync(self._file.fileno())
         self._changed = False
         return path
@@ -276,6 +276,7 @@ def edit_to_plain(edit: Edit) -> dict[str, Any]:
             "overrides": [[[*key, value] for key, value in side.items()] for side in edit.overrides],
             "label": edit.label,
             "line": edit.line,
+            "loads": edit.loads,
         }
     assert isinstance(edit, Command)
     return {
@@ -287,12 +288,13 @@ def edit_to_plain(edit: Edit) -> dict[str, Any]:
 def edit_from_plain(data: Mapping[str, Any], document: Document) -> Edit:
     """The edit that `edit_to_plain` wrote. Raises KeyError, TypeError or ValueError for anything else."""
     if "selection" in data:
-        scene = document.runtime.scene
+        scene, loads = document.runtime.scene, tuple(str(f) for f in data.get("loads", ()))
+        load(document, loads)
         before, after = (side_from_plain(data[side], scene) for side in ("before", "after"))
         old, new = ({(t, c, int(r)): _tuples(v) for t, c, r, v in side} for side in data["overrides"])
         first, second = (tuple(int(r) for r in rows) for rows in data["selection"])
         label, made_by = str(data["label"]), str(data.get("line", ""))
-        return StructureCommand(ScenePatch(before, after), (first, second), (old, new), label, made_by)
+        return StructureCommand(ScenePatch(before, after), (first, second), (old, new), label, made_by, loads)
     rows = tuple(int(r) for r in data["rows"])
     return Command(
         str(data["table"]), str(data["column"]), rows, _tuples(data["before"]), _tuples(data["after"]), data["label"],

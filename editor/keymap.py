@@ -59,6 +59,8 @@ class Keymap:
     def __init__(self, operations: Operations, preferences: Preferences) -> None:
         self.operations, self.preferences = operations, preferences
         self._applied: object = None
+        #: whether somebody waits for a key to bind it
+        self.listening = False
         self.apply()
 
     @property

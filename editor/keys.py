@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from string import ascii_lowercase, ascii_uppercase, digits
 
 from imgui_bundle import imgui
@@ -26,6 +27,7 @@ _NAMES = {
 TEXT_FIELDS_OWN = {"edit.undo", "edit.redo", "edit.select-all", "edit.duplicate", "edit.group"}
 
 
+@cache
 def chord(shortcut: str) -> int:
     """`Ctrl+Shift+P` as an imgui key chord."""
     *modifiers, key = shortcut.split("+")
@@ -82,6 +84,9 @@ def run_shortcuts(ui: Ui, *, flying: bool) -> None:
     if imgui.is_popup_open("", imgui.PopupFlags_.any_popup_id | imgui.PopupFlags_.any_popup_level):
         return
     ui.keymap.apply()
+    if ui.keymap.listening:  # the next key is to be bound, not run; who waits says so again in every frame
+        ui.keymap.listening = False
+        return
     for shortcut, operation in ui.operations.shortcuts().items():
         bare = needs_modifier(shortcut)
         if (bare and flying) or (io.want_text_input and (bare or operation in TEXT_FIELDS_OWN)):

@@ -1,5 +1,4 @@
-"""Where the panels stand: workspaces to switch between, each remembered as the user arranges it, and three slots to keep
-an arrangement in."""
+"""Where the panels stand: workspaces to switch between, each remembered as the user arranges it."""
 
 from __future__ import annotations
 
@@ -51,11 +50,13 @@ WORKSPACES = (
     Workspace(
         "Animate", "A timeline over half the window; blending, states and masks beside it",
         _shares(Bottom=0.5, BottomRight=0.36, Left=0.17, LeftBottom=0.3, Right=0.22),
-        shown=("Blend space", "State graph", "Masks"), hidden=("Variants", "Console"), front=("Timeline", "Blend space"),
+        shown=("Blend space", "State graph", "Masks"), hidden=("Variants", "Console"),
+        front=("Timeline", "Blend space"),
     ),
     Workspace(
         "Shade", "The shader editor beside the picture, the material preview below",
-        _shares(Left=0.16, Bottom=0.3, Right=0.22), shown=("Shader editor",), front=("Shader editor", "Material preview"),
+        _shares(Left=0.16, Bottom=0.3, Right=0.22), shown=("Shader editor",),
+        front=("Shader editor", "Material preview"),
     ),
     Workspace(
         "Review", "The picture large: comparing, timings, frame graph",

@@ -34,7 +34,7 @@ def draw(
         distance = float(np.hypot(mouse.x - at[0], mouse.y - at[1]))
         if hoverable and distance < nearest and row not in document.locked:
             found, nearest = row, distance
-        color = theme.ACCENT if row in document.selection else theme.TEXT
+        color = theme.ACCENT if row in document.selected else theme.TEXT
         size = imgui.calc_text_size(sign)
         lines.add_circle_filled(at, em(0.78), theme.u32((0.05, 0.055, 0.065, 0.6)))
         lines.add_text((at[0] - 0.5 * size.x, at[1] - 0.5 * size.y), theme.u32(color), sign)

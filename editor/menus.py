@@ -8,8 +8,10 @@ from imgui_bundle import hello_imgui, imgui
 
 from editor import icons, numbers, theme
 from editor.keys import shown_shortcut
-from editor.navigation import hints
+from editor.live_hints import live_hints
 from editor.operations import Operation
+from editor.strings import tr
+from editor.tasks import Task, running
 from editor.ui import Ui
 from editor.widgets import em, text, tooltip
 
@@ -79,6 +81,30 @@ def _title(ui: Ui) -> None:
         tooltip(f"{document.source}\n{'Unsaved changes' if document.dirty else 'No unsaved changes'}")
 
 
+def _task_list(tasks: list[Task]) -> None:
+    """The first of them in the bar; a click shows all, how far they are, and calls them off."""
+    first = tasks[0]
+    more = f"   (+{len(tasks) - 1})" if len(tasks) > 1 else ""
+    done = f"  {first.progress * 100:.0f} %" if first.progress >= 0.0 else ""
+    text(f"{icons.WAITING}  {tr(first.title)}{done}{more}", theme.ACCENT)
+    tooltip("Click for the list of what goes on")
+    if imgui.is_item_clicked():
+        imgui.open_popup("tasks")
+    if imgui.begin_popup("tasks"):
+        for i, task in enumerate(tasks):
+            imgui.push_id(i)
+            text(tr(task.title))
+            if task.text:
+                text(task.text, theme.DIM)
+            imgui.progress_bar(task.progress if task.progress >= 0.0 else -imgui.get_time(), (em(16), em(0.9)), "")
+            if task.cancel is not None:
+                imgui.same_line()
+                if imgui.small_button("Cancel"):
+                    task.cancel()
+            imgui.pop_id()
+        imgui.end_popup()
+
+
 def draw_status_bar(ui: Ui) -> None:
     session = ui.session
     counts = session.messages.counts()
@@ -100,14 +126,15 @@ def draw_status_bar(ui: Ui) -> None:
         if imgui.is_item_clicked():
             session.ui.focus_panel = "Numbers"
         imgui.same_line(0, em(0.9))
-    if session.job is not None:
-        text(session.job.text, theme.ACCENT)
-    elif session.image.compiling is not None:
-        done, total = session.image.compiling
-        text(f"Compiling shaders: {done} of {total}", theme.ACCENT)
+    tasks = running(session)
+    if tasks:
+        _task_list(tasks)
     elif session.document is not None:
-        what = [f"{gesture}: {action.lower()}" for gesture, action in hints(session.preferences.keymap)[:3]]
-        text("     ".join(what), theme.FAINT)
+        io = imgui.get_io()
+        held = {name for name, down in (("ctrl", io.key_ctrl), ("shift", io.key_shift), ("alt", io.key_alt)) if down}
+        tools = session.tools
+        now = live_hints(session.preferences.keymap, held, tool=tools.mode, flying=ui.flying, measuring=tools.measuring)
+        text("     ".join(f"{tr(gesture)}: {tr(what).lower()}" for gesture, what in now), theme.FAINT)
     else:
         text("Ready" if not shown else "", theme.FAINT)
     if session.device is not None:

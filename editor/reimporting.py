@@ -190,14 +190,14 @@ def _take(session: Session, job: ImportJob, document: Document, new_scene: Path)
             if job.asked:
                 session.ui.notice = f"{job.source.name}: nothing has changed"
             return
-        ours = saving.edited_scene(document.runtime, document.overrides)
+        ours = saving.current_scene(document)
         unsaved = saving.edited_materials(document.runtime.residency, document.overrides)
         session.end_gesture()
         folder = document.scene_path.resolve().parent
         scene, report = merge_import(last, new_scene, ours, origin_of(document, last), folder, unsaved)
         saved_to = document.saved_to or (None if _cached(document.scene_path) else document.scene_path)
         replacing.replace_scene(
-            session, document, scene, job.label, findings=job.findings, steps=_once(job.steps), saved_to=saved_to,
+            session, document, scene, job.label, findings=job.findings, steps=once(job.steps), saved_to=saved_to,
             imported_from=last.source,
         )  # fmt: skip
     except LucarnaError as error:
@@ -227,7 +227,7 @@ def _tell(session: Session, job: ImportJob, report: Report) -> None:
         session.ui.import_card = True
 
 
-def _once(steps: Steps) -> Steps:
+def once(steps: Steps) -> Steps:
     """The first time around, the step forth has been taken already."""
     first = [True]
 

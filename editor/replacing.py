@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import contextlib
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from editor.commands.command import VIEW_TABLE, Edit
 from editor.commands.replacement import LIMIT, Replacement, Standing, standing
 from editor.tables import SettingsTable, tables_of
+from engine.core.errors import LucarnaError
 from engine.core.findings import Findings
 
 if TYPE_CHECKING:
@@ -36,17 +38,17 @@ def replace_scene(
     findings: Findings | None = None,
     of_view: bool = False,
     steps: tuple[Callable[[], None], Callable[[], None]] = (lambda: None, lambda: None),
-    opened_from: Path | None = None,
+    materials: Mapping[Path, Mapping[str, Any]] | None = None,
     **more: Any,
 ) -> None:
     """Put the scene file `scene` under `document` (in front): one entry. The selection stays where names stay.
 
-    `more`: other fields of Standing, such as `source`. `opened_from`: where the file lies until `steps` have moved it.
+    `materials`: file -> {column: value}: unsaved values that it begins with. `more`: other fields of Standing.
     Raises LucarnaError when it cannot be opened or a step fails; then nothing has changed."""
     from editor.session import shader_root
 
     with session.device_frame():
-        runtime = session.host.open_runtime(session.device, opened_from or scene, shader_root(document))
+        runtime = session.host.open_runtime(session.device, scene, shader_root(document))
     try:
         values = {
             "source": document.source, "scene_path": scene, "base_path": None, "findings": findings or Findings(),
@@ -54,6 +56,8 @@ def replace_scene(
             "saved_to": document.saved_to, "selection": (), "name": document.name,
             "imported_from": document.imported_from, "news": document.news, **more,
         }  # fmt: skip
+        values["prefabs"] = prefabs_of(runtime, scene)
+        _carry(values, runtime, materials or {})
         values["selection"] = _same_names(document, runtime, document.selection)
         values["locked"] = set(_same_names(document, runtime, sorted(document.locked)))
         edit = Replacement(standing(document), Standing(values), label, of_view, steps)
@@ -67,6 +71,37 @@ def replace_scene(
     found = [i for i, e in enumerate(document.history.entries) if isinstance(e, Replacement)]
     if len(found) > LIMIT:
         release(document, document.history.forget(found[-LIMIT - 1] + 1))
+
+
+def unsaved_materials(document: Document) -> dict[Path, dict[str, Any]]:
+    """The materials' values that are not in their files, by file."""
+    found: dict[Path, dict[str, Any]] = {}
+    for (table, column, row), value in document.overrides.items():
+        path = document.runtime.residency.material(row).path if table == "materials" else ""
+        if path:
+            found.setdefault(Path(path).resolve(), {})[column] = value
+    return found
+
+
+def _carry(values: dict[str, Any], runtime: Any, materials: Mapping[Path, Mapping[str, Any]]) -> None:
+    for path, columns in materials.items():
+        if path in runtime.residency.material_files:
+            row = int(runtime.residency.material_files[path])
+            for column, value in columns.items():
+                values["tables"]["materials"].write(column, (row,), (value,))
+                values["overrides"]["materials", column, row] = value
+
+
+def prefabs_of(runtime: Any, scene: Path) -> dict[Path, list[Any]]:
+    """The prefabs that the open scene at `scene` has instances of; those that cannot be read are left out."""
+    from engine.assets.prefab import file_of, instance_nodes, prefab_files
+
+    found: dict[Path, list[Any]] = {}
+    if any(file_of(node) for node in runtime.asset.nodes):
+        for path in prefab_files(runtime.asset, scene.parent):
+            with contextlib.suppress(LucarnaError):
+                found[path] = instance_nodes(path, scene.parent)
+    return found
 
 
 def follow(session: Session, document: Document) -> None:

@@ -6,6 +6,7 @@ any time. A scene that lies where it is saved is updated in place, its edited ma
 
 from __future__ import annotations
 
+import contextlib
 import copy
 import filecmp
 import os
@@ -27,7 +28,7 @@ from engine.assets.clip import ClipAsset
 from engine.assets.material import TextureRef
 from engine.assets.scene import NodeAsset, SceneAsset
 from engine.core.atomic import atomic_path, write_text
-from engine.core.errors import OutputError
+from engine.core.errors import LucarnaError, OutputError
 from engine.core.paths import user_cache_dir
 
 
@@ -63,15 +64,13 @@ def save_document(document: Document, target: Path) -> list[Path]:
 
     target = target.resolve()
     source_dir, target_dir = document.scene_path.resolve().parent, target.parent
-    asset = edited_scene(document.runtime, document.overrides)
+    asset = current_scene(document)
     edited = edited_materials(document.runtime.residency, document.overrides)
     written: list[Path] = []
     written += _carry_profiles(asset, target_dir)
     if source_dir != target_dir:
         asset = _reached_from(asset, source_dir, target_dir)
-        for reference in sorted(set(_references(asset, source_dir))):
-            if _copy(source_dir / reference, target_dir / reference):
-                written.append(target_dir / reference)
+        written += copy_references(asset, source_dir, target_dir)
     drifts = drifting(document, asset, target)
     if drifts is not None:
         name, clip = drifts
@@ -101,6 +100,45 @@ def save_document(document: Document, target: Path) -> list[Path]:
 
     write_scene(target, asset)
     return [*dict.fromkeys([*written, *save_record(document, target)]), target]
+
+
+def current_scene(document: Document) -> SceneAsset:
+    """The scene as the user has it now, with what each instance of a prefab has of its own written down."""
+    from engine.assets.prefab import with_changes
+
+    asset = edited_scene(document.runtime, document.overrides)
+    know_prefabs(document, asset)
+    return with_changes(asset, document.scene_path.parent, document.prefabs)
+
+
+def know_prefabs(document: Document, asset: SceneAsset) -> None:
+    """Read the prefabs of instances that came without being placed, as those of a recovered session do."""
+    from engine.assets.prefab import instance_nodes, prefab_files
+
+    for path in prefab_files(asset, document.scene_path.parent):
+        if path not in document.prefabs:
+            with contextlib.suppress(LucarnaError):  # it is told of when the scene is read
+                document.prefabs[path] = instance_nodes(path, document.scene_path.parent)
+
+
+def relative(path: Path, folder: Path) -> str:
+    """`path` as a file in `folder` names it."""
+    return _beside(str(path), folder)
+
+
+def copy_references(asset: SceneAsset, source_dir: Path, target_dir: Path) -> list[Path]:
+    """Copy every file inside `source_dir` that the scene and its materials name to `target_dir`; those copied."""
+    wanted = sorted(set(_references(asset, source_dir)))
+    return [target_dir / r for r in wanted if _copy(source_dir / r, target_dir / r)]
+
+
+def moved_reference(reference: str, source_dir: Path, target_dir: Path) -> str:
+    """What a scene in `target_dir` says for what one in `source_dir` says; what was copied there stays as it is."""
+    if not reference or Path(reference).is_absolute():
+        return reference
+    if _inside(reference) and (target_dir / reference).is_file():
+        return reference
+    return relative(Path(os.path.normpath(source_dir / reference)), target_dir)
 
 
 def _reached_from(asset: SceneAsset, source_dir: Path, target_dir: Path) -> SceneAsset:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Hashable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from editor import dropping, recovering, reimporting, replacing, saving, tabs, work
+from editor import dropping, prefabs, recovering, reimporting, replacing, saving, tabs, work
 from editor.animating import following
 from editor.animating.view import AnimatingView
 from editor.commands.command import VIEW_TABLE
@@ -47,6 +47,7 @@ class Session(Looking):
         work.step(self)
         self._take_over()
         reimporting.poll(self)
+        prefabs.poll(self)
         dropping.go_on(self)
 
     def _take_over(self) -> None:
@@ -104,6 +105,7 @@ class Session(Looking):
             document.select(list(scene.nodes.name).index(self.select_on_open))
         self.preferences.add_recent(document.source)
         self.remember()
+        document.prefabs = replacing.prefabs_of(document.runtime, document.scene_path)
         recovering.start(self, document)
         reimporting.welcome(self, document)
 
@@ -207,6 +209,8 @@ class Session(Looking):
             return False
         document.saved_to = target
         document.history.mark_saved()
+        if len(written) > 1:  # our own files are taken up now: later, they would undo what was edited since
+            self.shaders.reload(self, force=False)
         more = f" and {len(written) - 1} more files" if len(written) > 1 else ""
         self.ui.notice = f"Saved {target.name}{more}"
         self.messages.info(self.ui.notice, where=str(target))

@@ -82,6 +82,8 @@ class SessionState:
     journal: Journal | None = None
     #: name of a node to select when a document opens
     select_on_open: str = ""
+    #: when to look at the files of prefabs again
+    prefabs_at: float = 0.0
     #: the last thing the user asked for that could not be done
     failure: LucarnaError | None = None
     #: something long that is done in steps, and what the last frame would cost with nothing left out

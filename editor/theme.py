@@ -7,6 +7,8 @@ from typing import Any
 
 from imgui_bundle import hello_imgui, imgui
 
+from editor.fonts import cjk_font
+
 Rgba = tuple[float, float, float, float]
 
 
@@ -79,11 +81,23 @@ def load_fonts() -> Fonts:
     fonts = Fonts()
     fonts.regular = hello_imgui.load_font("fonts/Roboto/Roboto-Regular.ttf", FONT_SIZE)
     _merge_icons(FONT_SIZE * 0.86)
+    _merge_cjk(FONT_SIZE * 1.08)
     fonts.bold = hello_imgui.load_font("fonts/Roboto/Roboto-Bold.ttf", FONT_SIZE)
     _merge_icons(FONT_SIZE * 0.86)
+    _merge_cjk(FONT_SIZE * 1.08)
     fonts.mono = hello_imgui.load_font("fonts/Inconsolata-Medium.ttf", FONT_SIZE)
     _merge_icons(FONT_SIZE * 0.82)
+    _merge_cjk(FONT_SIZE)
     return fonts
+
+
+def _merge_cjk(size: float) -> None:
+    """Glyphs of Chinese, Japanese and Korean, from a font of the system; without one they stay boxes (see fonts.py)."""
+    font = cjk_font()
+    if font is not None:
+        params = hello_imgui.FontLoadingParams(merge_to_last_font=True, inside_assets=False)
+        params.font_config.font_no = font.index
+        hello_imgui.load_font(str(font.path), size, params)
 
 
 def _merge_icons(size: float) -> None:

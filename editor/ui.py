@@ -22,6 +22,8 @@ class Ui:
     drawn: int = 0
     #: in which frame the viewport was last drawn
     viewport_at: int = -1
+    #: whether the keys steer the camera
+    flying: bool = False
     plugins: PluginManager | None = None
     keymap: Keymap = field(init=False)
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -35,6 +36,8 @@ class StructureCommand:
     label: str = ""
     #: the line of a script that makes this change (see editor.scripting), or ''
     line: str = ""
+    #: meshes and materials that had to be loaded for it, in that order
+    loads: tuple[str, ...] = ()
 
     @property
     def target(self) -> tuple[str, str, tuple[int, ...]]:
@@ -49,7 +52,8 @@ class StructureCommand:
         return False
 
     def inverse(self) -> StructureCommand:
-        return StructureCommand(self.patch.inverse(), self.selection[::-1], self.overrides[::-1], self.label, self.line)
+        back = self.patch.inverse(), self.selection[::-1], self.overrides[::-1]
+        return StructureCommand(*back, self.label, self.line, self.loads)
 
     def followed_by(self, later: Any) -> StructureCommand:
         raise AssertionError("structural edits are entries of their own")
@@ -64,8 +68,11 @@ class StructureCommand:
         document.selection = self.selection[1]
 
 
-def change(document: Document, label: str, make: Callable[[], Sequence[int]]) -> None:
-    """Run `make`, which changes the scene and returns what to select, and record it as one entry.
+def change(
+    document: Document, label: str, make: Callable[[], Sequence[int]], loads: Sequence[Path] = ()
+) -> None:
+    """Run `make`, which changes the scene and returns what to select, and record it as one entry. `loads`: the files
+    of meshes and materials that it needs.
 
     What `make` raises comes through, after the scene was put back."""
     scene = document.runtime.scene
@@ -80,7 +87,19 @@ def change(document: Document, label: str, make: Callable[[], Sequence[int]]) ->
     living = {name: getattr(scene, name).alive for name in ("nodes", "lights", "cameras")}
     living["drifts"] = living["nodes"]
     kept = {k: v for k, v in document.overrides.items() if k[0] not in living or living[k[0]][k[2]]}
-    document.history.do(StructureCommand(patch, (selected, after), (overrides, kept), label, document.doing))
+    sides = (selected, after), (overrides, kept)
+    files = tuple(str(path) for path in loads)
+    document.history.do(StructureCommand(patch, *sides, label, document.doing, files))
+
+
+def load(document: Document, files: Sequence[str]) -> None:
+    """Load meshes and materials before anything refers to their numbers. Raises InputError."""
+    residency = document.runtime.residency
+    for file in files:
+        if file.endswith(".lmesh"):
+            residency.load_mesh_file(Path(file))
+        else:
+            residency.load_materials([Path(file)])
 
 
 def tops(document: Document, rows: Sequence[int]) -> list[int]:
@@ -265,7 +284,7 @@ def group(document: Document, rows: Sequence[int]) -> None:
         new = int(scene.nodes.add(unique_name("Group", set(scene.nodes.name)), parent, matrix=local))
         scene.update()
         for row in members:
-            _hang(document, row, new)
+            hang(document, row, new)
         return [new]
 
     change(document, f"Group {_what(document, rows)}", make)
@@ -281,13 +300,14 @@ def reparent(document: Document, rows: Sequence[int], parent: int) -> None:
     def make() -> list[int]:
         for row in tops(document, rows):
             if int(nodes.parent[row]) != parent:
-                _hang(document, row, parent)
+                hang(document, row, parent)
         return list(rows)
 
     change(document, f"Move {_what(document, rows)} below {where}", make)
 
 
-def _hang(document: Document, row: int, parent: int) -> None:
+def hang(document: Document, row: int, parent: int) -> None:
+    """Hang one node below another where it is. For use within `change`. Raises InputError for a loop."""
     nodes = document.runtime.scene.nodes
     world: NDArray[np.float64] = nodes.world_matrix(row)
     nodes.reparent(row, parent)

@@ -10,6 +10,7 @@ from editor import icons, theme
 from editor.dialogs.modals import begin_card, center_next_window
 from editor.keys import shown_shortcut
 from editor.navigation import PRESETS, hints
+from editor.preferences import THEMES
 from editor.ui import Ui
 from editor.widgets import bold, em, pretty, property_grid, property_text, text
 from engine import __version__
@@ -35,8 +36,24 @@ def _keymap_choice(ui: Ui) -> None:
     imgui.new_line()
 
 
+def _size_choice(ui: Ui) -> None:
+    for label, id in (("Smaller", "view.scale-down"), ("100 %", "view.scale-reset"), ("Larger", "view.scale-up")):
+        if imgui.button(label, (em(5.5), 0)):
+            ui.operations.run(id, ui.session)
+        imgui.same_line()
+    text(f"{ui.session.preferences.ui_scale * 100:.0f} %", theme.DIM)
+
+
+def _theme_choice(ui: Ui) -> None:
+    for name in THEMES:
+        if imgui.radio_button(pretty(name.replace("-", " ")), ui.session.preferences.theme == name):
+            ui.operations.run(f"view.theme-{name}", ui.session)
+        imgui.same_line(0, em(1.0))
+    imgui.new_line()
+
+
 class WelcomeCard:
-    """Two choices and a place to start; closed by anything, shown once."""
+    """Three choices and a place to start, beside what is on the stage; closed by anything, shown once."""
 
     NAME = "###welcome"
 
@@ -44,8 +61,13 @@ class WelcomeCard:
         session = ui.session
         if session.ui.welcome and not imgui.is_popup_open(self.NAME):
             imgui.open_popup(self.NAME)
-        center_next_window(34)
-        if not begin_card(self.NAME, modal=True):
+        area = imgui.get_main_viewport()
+        imgui.set_next_window_pos((area.pos.x + em(2), area.get_center().y), imgui.Cond_.always, (0.0, 0.5))
+        imgui.set_next_window_size((em(26), 0), imgui.Cond_.always)
+        imgui.push_style_color(imgui.Col_.modal_window_dim_bg, imgui.ImVec4(0.0, 0.0, 0.0, 0.2))
+        shown = begin_card(self.NAME, modal=True)
+        imgui.pop_style_color()
+        if not shown:
             return
         imgui.push_font(ui.fonts.bold, theme.FONT_SIZE * 1.5)
         text(icons.APP, theme.ACCENT)
@@ -57,11 +79,9 @@ class WelcomeCard:
         _keymap_choice(ui)
         _hint_table(ui, "gestures")
         imgui.separator_text("Interface size")
-        for label, id in (("Smaller", "view.scale-down"), ("Normal", "view.scale-reset"), ("Larger", "view.scale-up")):
-            if imgui.button(label, (em(6), 0)):
-                ui.operations.run(id, session)
-            imgui.same_line()
-        text(f"{session.preferences.ui_scale * 100:.0f} %", theme.DIM)
+        _size_choice(ui)
+        imgui.separator_text("Colours")
+        _theme_choice(ui)
         for recent in self._recent(ui):
             if imgui.selectable(f"{icons.FILE}  {recent.name}##{recent}", False)[0]:
                 session.open(recent)

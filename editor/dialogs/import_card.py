@@ -38,7 +38,7 @@ class ImportCard:
     def draw(self, ui: Ui) -> None:
         session = ui.session
         document = session.document
-        if not session.ui.import_card or document is None or not can_import(session):
+        if not session.ui.import_card or session.ui.welcome or document is None or not can_import(session):
             return
         assert document.imported_from is not None
         key = (id(document.runtime), document.history.revision)

@@ -46,7 +46,8 @@ class ProgressModal:
         now = imgui.get_time()
         if job is not self._job:
             self._job, self._since = job, now
-        if job is not None and now - self._since > PATIENCE_SECONDS and not imgui.is_popup_open(self.NAME):
+        wanted = job is not None and not ui.session.ui.welcome  # the card is no place to be interrupted in
+        if wanted and now - self._since > PATIENCE_SECONDS and not imgui.is_popup_open(self.NAME):
             imgui.open_popup(self.NAME)
         center_next_window(26)
         if not begin_card(self.NAME, modal=True):

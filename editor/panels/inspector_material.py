@@ -211,7 +211,10 @@ def _textures(ui: Ui, material: int, record: Any, slots: Sequence[Any]) -> None:
             )  # fmt: skip
             imgui.begin_group()
             imgui.align_text_to_frame_padding()
-            if ref is None:
+            if slot.name in getattr(record.effect, "computed", {}) and not (ref is not None and ref.path):
+                text("computed by the effect", theme.DIM)
+                tooltip("From the parameters above; a texture put here takes its place")
+            elif ref is None:
                 text("none", theme.FAINT)
                 imgui.same_line()
                 imgui.dummy((max(imgui.get_content_region_avail().x - em(2), 1.0), imgui.get_frame_height()))

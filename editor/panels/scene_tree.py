@@ -7,13 +7,14 @@ from typing import ClassVar
 
 from imgui_bundle import imgui
 
-from editor import icons, theme
+from editor import icons, prefabs, theme
 from editor.document import Document
 from editor.editing_operations import reparent
 from editor.panels.base import Panel
 from editor.panels.tree_rows import UNFOLD_LIMIT, TreeRow, ancestors, kinds, matching_rows, visible_rows
 from editor.ui import Ui
 from editor.widgets import bare_button, em, empty_state, fitted, search_field, text
+from engine.assets.prefab import NODE, ROOT
 
 KIND_ICONS = {
     "mesh": (icons.MESH, theme.INFO),
@@ -27,8 +28,11 @@ KIND_ICONS = {
 #: operations of a row's context menu; "" is a line between
 MENU = (
     "view.frame", "edit.isolate", "", "edit.rename", "edit.duplicate", "edit.group", "edit.unparent", "edit.delete", "",
-    "edit.hide", "edit.show-all", "edit.lock", "", "edit.select-parent", "edit.select-children",
+    "edit.hide", "edit.show-all", "edit.lock", "",
+    "prefab.make", "prefab.open", "prefab.revert", "prefab.apply", "", "edit.select-parent", "edit.select-children",
 )  # fmt: skip
+#: nodes that came with a prefab
+PREFAB = theme.rgb("#7fb2e8")
 #: what a dragged row carries: the row
 PAYLOAD = "node"
 
@@ -51,6 +55,7 @@ class SceneTreePanel(Panel):
         self._rows_key: object = None
         self._rows: list[TreeRow] = []
         self._kinds: dict[int, str] = {}
+        self._kinds_key: object = None
         self._deepest = 0
         self._indent = 0.0
         self._fold_rev = 0
@@ -59,6 +64,8 @@ class SceneTreePanel(Panel):
         self._renaming = -1
         self._name = ""
         self._focus_name = False
+        #: what the tooltip of an instance says, and of which
+        self._told: tuple[object, str] = (None, "")
 
     def draw(self, ui: Ui) -> None:
         document = ui.session.document
@@ -104,9 +111,9 @@ class SceneTreePanel(Panel):
             self._renaming = -1
             self._rows_key = None
         if document.selection != self._selection:
-            for row in document.selection:
-                self.unfolded.update(ancestors(document, row))
-            self._fold_rev += 1
+            before = len(self.unfolded)
+            self.unfolded |= ancestors(document, document.selection)
+            self._fold_rev += len(self.unfolded) > before
 
     def _collect(self, document: Document) -> None:
         scene = document.runtime.scene
@@ -114,7 +121,8 @@ class SceneTreePanel(Panel):
         if key != self._rows_key:
             self._rows_key = key
             self._rows = matching_rows(document, self.needle) if self.needle else visible_rows(document, self.unfolded)
-            self._kinds = kinds(document)
+            if self._kinds_key != key[:3]:
+                self._kinds_key, self._kinds = key[:3], kinds(document)
             self._deepest = max((r.depth for r in self._rows), default=0)
 
     def _scroll_target(self, document: Document) -> int:
@@ -147,6 +155,7 @@ class SceneTreePanel(Panel):
             if imgui.is_mouse_double_clicked(imgui.MouseButton_.left):
                 ui.operations.run("view.frame", ui.session)
         hovered = imgui.is_item_hovered()
+        self._about_prefab(document, row)
         self._drag(ui, document, row, name)
         self._menu(ui, document, row)
         imgui.same_line(start + item.depth * self._indent)
@@ -155,6 +164,10 @@ class SceneTreePanel(Panel):
         imgui.same_line(0, em(0.15))
         shown = bool(nodes.visible_world[row]) and bool(nodes.visible[row])
         icon, color = KIND_ICONS[self._kinds.get(row) or ("group" if item.has_children else "")]
+        source = document.runtime.scene.sources.get(row)
+        if source is not None and source.extras and (ROOT in source.extras or NODE in source.extras):
+            color = PREFAB
+            icon = icons.PACKAGE if ROOT in source.extras else icon
         text(icon, color if shown else theme.FAINT)
         imgui.same_line(0, em(0.35))
         if row == self._renaming:
@@ -170,6 +183,20 @@ class SceneTreePanel(Panel):
         if bare_button(f"{icons.VISIBLE if own else icons.HIDDEN}###eye{row}", color):
             rows = document.selection if row in document.selection else (row,)
             ui.session.set_visible(rows, not own)
+
+    def _about_prefab(self, document: Document, row: int) -> None:
+        """Over an instance: of which prefab, and what it has of its own."""
+        source = document.runtime.scene.sources.get(row)
+        if source is None or ROOT not in source.extras or not imgui.is_item_hovered(imgui.HoveredFlags_.delay_normal):
+            return
+        key = (row, document.history.revision)
+        if self._told[0] != key:
+            changed, removed = prefabs.own_values(document, row)
+            lines = [f"{node}: {', '.join(fields)}" for node, fields in list(changed.items())[:12]]
+            lines += [f"{node}: removed" for node in removed[:12]]
+            own = "\n".join(lines) if lines else "nothing of its own"
+            self._told = (key, f"Instance of {prefabs.path_of(document, row)}\n\n{own}")
+        imgui.set_tooltip(self._told[1])
 
     def _select_between(self, document: Document, a: int, b: int) -> None:
         """Everything from row `a` to row `b` as the tree shows it; `b` becomes the last selected."""

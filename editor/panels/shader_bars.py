@@ -90,6 +90,7 @@ def _difference(ui: Ui, document: CodeDocument) -> None:
         made = code_edit.TextDiff()
         made.set_side_by_side_mode(_SIDE_BY_SIDE[0])
         made.set_show_whitespaces_enabled(False)
+        made.set_word_wrap_enabled(True)  # else it opens scrolled to the right, with the lines' beginnings out of sight
         made.set_palette(code_edit.TextEditor.get_dark_palette())
         made.set_colors(theme.u32(theme.GOOD, 0.22), theme.u32(theme.ERROR, 0.22))
         made.set_language(language_of(document))

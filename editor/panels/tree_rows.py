@@ -5,7 +5,8 @@ Only unfolded nodes are walked, so that a scene of a hundred thousand nodes cost
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Collection, Iterable
+from typing import NamedTuple
 
 from editor.document import Document
 
@@ -13,21 +14,23 @@ from editor.document import Document
 UNFOLD_LIMIT = 300
 
 
-@dataclass(frozen=True, slots=True)
-class TreeRow:
+class TreeRow(NamedTuple):
     row: int
     depth: int
     has_children: bool
 
 
-def visible_rows(document: Document, unfolded: set[int]) -> list[TreeRow]:
+def visible_rows(document: Document, unfolded: Collection[int]) -> list[TreeRow]:
     """Depth first, parents before children, without what lies under folded nodes."""
     found: list[TreeRow] = []
-    stack = [(row, 0) for row in reversed(document.children_of(-1))]
+    children_of = document.children
+    stack = [(row, 0) for row in reversed(children_of.get(-1, []))]
     while stack:
         row, depth = stack.pop()
-        children = document.children_of(row)
-        found.append(TreeRow(row, depth, bool(children)))
+        children = children_of.get(row)
+        found.append(TreeRow(row, depth, children is not None))
+        if children is None:
+            continue
         if row in unfolded:
             stack.extend((child, depth + 1) for child in reversed(children))
     return found
@@ -38,23 +41,26 @@ def matching_rows(document: Document, needle: str) -> list[TreeRow]:
     nodes = document.runtime.scene.nodes
     needle = needle.lower().strip()
     keep: set[int] = set()
+    parents, alive = nodes.parent.tolist(), nodes.alive.tolist()
     for row, name in enumerate(nodes.name):
-        if needle in name.lower() and nodes.alive[row]:
+        if needle in name.lower() and alive[row]:
             at = row
             while at >= 0 and at not in keep:
                 keep.add(at)
-                at = int(nodes.parent[at])
+                at = parents[at]
     return [r for r in visible_rows(document, keep) if r.row in keep]
 
 
-def ancestors(document: Document, row: int) -> list[int]:
-    """The nodes above `row`, nearest first."""
+def ancestors(document: Document, rows: Iterable[int]) -> set[int]:
+    """The nodes above any of `rows`."""
     parents = document.runtime.scene.nodes.parent
-    found = []
-    at = int(parents[row])
-    while at >= 0:
-        found.append(at)
-        at = int(parents[at])
+    parents = parents.tolist() if len(list(rows)) > 100 else parents
+    found: set[int] = set()
+    for row in rows:
+        at = int(parents[row])
+        while at >= 0 and at not in found:
+            found.add(at)
+            at = int(parents[at])
     return found
 
 

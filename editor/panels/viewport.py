@@ -22,9 +22,10 @@ from editor.camera_controls import OrbitCamera
 from editor.compare_overlay import CompareOverlay
 from editor.gizmo_widget import GizmoWidget
 from editor.navigation import WHEEL, motion_for
-from editor.panels import document_tabs, timeline, viewport_strip
+from editor.panels import document_tabs, timeline, viewport_drop, viewport_strip
 from editor.panels.base import Panel
 from editor.panels.timings import short_count
+from editor.physical_keys import letter_at
 from editor.ui import Ui
 from editor.widgets import cut, em, fitted, text, tooltip
 
@@ -97,6 +98,7 @@ class ViewportPanel(Panel):
                 | imgui.ButtonFlags_.mouse_button_middle,
             )
         hovered, active = bool(imgui.is_item_hovered()), bool(imgui.is_item_active())
+        viewport_drop.accept(ui, origin.x, origin.y, width, height)
         imgui.set_item_key_owner(imgui.Key.mouse_wheel_y)
         lines = imgui.get_window_draw_list()
         end = (origin.x + width, origin.y + height)

@@ -47,7 +47,14 @@ def pick_node(scene: Scene, residency: Residency, view: View, x: float, y: float
 
 def pick_hits(scene: Scene, residency: Residency, view: View, x: float, y: float) -> list[tuple[float, int]]:
     """(metres from the near plane, node row) of every visible node under the pixel, the nearest first."""
-    origin, direction = view_ray(view, x, y)
+    return ray_hits(scene, residency, *view_ray(view, x, y))
+
+
+def ray_hits(
+    scene: Scene, residency: Residency, origin: NDArray[np.float64], direction: NDArray[np.float64]
+) -> list[tuple[float, int]]:
+    """(metres from `origin`, node row) of every visible node that the ray along the unit `direction` hits, the nearest
+    first."""
     table = scene.instances
     if len(table.node) == 0:
         return []

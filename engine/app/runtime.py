@@ -24,7 +24,8 @@ from engine.app.rehearsal import Rehearsal
 from engine.assets.clip import ClipAsset
 from engine.assets.clip_nodes import ClipNodes, clip_nodes
 from engine.assets.lanim import read_lanim
-from engine.assets.scene import SceneAsset
+from engine.assets.prefab import refresh
+from engine.assets.scene import NodeAsset, SceneAsset
 from engine.assets.scene_json import read_scene
 from engine.core.errors import InputError
 from engine.core.findings import Findings

@@ -45,7 +45,7 @@ def file_of(node: NodeAsset) -> str:
 
 
 def load_prefab(path: Path, stack: Sequence[Path] = ()) -> SceneAsset:
-    """The prefab at `path`, with its own instances up to date. Raises InputError for a circle and what cannot be read."""
+    """The prefab at `path`, its own instances up to date. Raises InputError for a circle and what cannot be read."""
     path = Path(os.path.normpath(path.absolute()))
     if path in stack:
         chain = " -> ".join(p.name for p in (*stack[stack.index(path) :], path))

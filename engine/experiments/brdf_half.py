@@ -17,22 +17,22 @@ from engine.report.records import Extreme, Floor
 
 F8 = NDArray[np.float64]
 Arrays = dict[str, NDArray[Any]]
-Term = Callable[[Arrays], NDArray[Any]]
+Term = Callable[[Arrays], Any]
 
 #: greatest half
 GREATEST = 65504.0
 #: roughness below which surfaces are not drawn in halves: its alpha is 0.0079 (Filament's bound for mobile GPUs)
 LEAST_ALPHA = 0.0079
 ALPHAS = (0.01, 0.05, 0.2, 0.5, 1.0)
-TYPES = {"half": np.float16, "float": np.float32}
+TYPES: dict[str, type[np.floating[Any]]] = {"half": np.float16, "float": np.float32}
 
 
-def _dot(a: NDArray[Any], b: NDArray[Any]) -> NDArray[Any]:
+def _dot(a: NDArray[Any], b: NDArray[Any]) -> Any:
     """Rounded after each step: numpy's own sums are not."""
     return a[:, 0] * b[:, 0] + a[:, 1] * b[:, 1] + a[:, 2] * b[:, 2]
 
 
-def _sin2(x: Arrays) -> NDArray[Any]:
+def _sin2(x: Arrays) -> Any:
     """|n x h|^2 (Lagrange's identity), as shaders/lib has it."""
     n, h = x["n"], x["h"]
     c = np.stack([n[:, i - 2] * h[:, i - 1] - n[:, i - 1] * h[:, i - 2] for i in range(3)], axis=1)
@@ -43,31 +43,31 @@ def _one(x: Arrays, value: float) -> Any:
     return x["alpha"].dtype.type(value)
 
 
-def _ggx_cross(x: Arrays) -> NDArray[Any]:
+def _ggx_cross(x: Arrays) -> Any:
     a = x["c"] * x["alpha"]
     k = x["alpha"] / (_sin2(x) + a * a)
     return np.minimum(k * k * _one(x, 1.0 / math.pi), _one(x, GREATEST))
 
 
-def _ggx_textbook(x: Arrays) -> NDArray[Any]:
+def _ggx_textbook(x: Arrays) -> Any:
     a2, one = x["alpha"] * x["alpha"], _one(x, 1.0)
     d = x["c"] * x["c"] * (a2 - one) + one
     return a2 / (_one(x, math.pi) * d * d)
 
 
-def _beckmann(x: Arrays) -> NDArray[Any]:
+def _beckmann(x: Arrays) -> Any:
     a, c2 = x["alpha"], np.maximum(x["c"] * x["c"], _one(x, 1e-3))
     s2, inverse = _sin2(x), _one(x, 1.0) / a
     power = np.exp(-(s2 * inverse * inverse) / c2)
     return np.minimum(power * inverse * inverse * _one(x, 1.0 / math.pi) / (c2 * c2), _one(x, GREATEST))
 
 
-def _beckmann_textbook(x: Arrays) -> NDArray[Any]:
+def _beckmann_textbook(x: Arrays) -> Any:
     a2, c2, one = x["alpha"] * x["alpha"], x["c"] * x["c"], _one(x, 1.0)
     return np.exp((c2 - one) / (a2 * c2)) / (_one(x, math.pi) * a2 * c2 * c2)
 
 
-def _blinn(x: Arrays) -> NDArray[Any]:
+def _blinn(x: Arrays) -> Any:
     inverse, s2 = _one(x, 1.0) / x["alpha"], _sin2(x)
     # exp(p / 2 log(1 - s2)), near the peak the logarithm by its series; p = 2 / alpha^2 - 2
     near = s2 + s2 * s2 * _one(x, 0.5) + s2 * s2 * s2 * _one(x, 1.0 / 3.0)
@@ -76,22 +76,22 @@ def _blinn(x: Arrays) -> NDArray[Any]:
     return np.minimum(power * (inverse * inverse) * _one(x, 1.0 / math.pi), _one(x, GREATEST))
 
 
-def _blinn_textbook(x: Arrays) -> NDArray[Any]:
+def _blinn_textbook(x: Arrays) -> Any:
     p = _one(x, 2.0) / (x["alpha"] * x["alpha"]) - _one(x, 2.0)
     return (p + _one(x, 2.0)) / _one(x, 2.0 * math.pi) * np.power(x["c"], p)
 
 
-def _schlick(x: Arrays) -> NDArray[Any]:
+def _schlick(x: Arrays) -> Any:
     y = _one(x, 1.0) - np.clip(x["a"], _one(x, 0.0), _one(x, 1.0))
     y2 = y * y
     return x["f0"] + (_one(x, 1.0) - x["f0"]) * (y2 * y2 * y)
 
 
-def _schlick_textbook(x: Arrays) -> NDArray[Any]:
+def _schlick_textbook(x: Arrays) -> Any:
     return x["f0"] + (_one(x, 1.0) - x["f0"]) * np.power(_one(x, 1.0) - x["a"], _one(x, 5.0))
 
 
-def _dielectric(x: Arrays) -> NDArray[Any]:
+def _dielectric(x: Arrays) -> Any:
     root, one = np.sqrt(x["f0"]), _one(x, 1.0)
     n, c = (one + root) / (one - root), x["a"]
     g = np.sqrt(np.maximum(n * n - one + c * c, _one(x, 0.0)))
@@ -99,20 +99,20 @@ def _dielectric(x: Arrays) -> NDArray[Any]:
     return _one(x, 0.5) * across * across * (one + along * along)
 
 
-def _smith(x: Arrays) -> NDArray[Any]:
+def _smith(x: Arrays) -> Any:
     a2, one = x["alpha"] * x["alpha"], _one(x, 1.0)
     v, l = x["a"], x["b"]
     s = l * np.sqrt(v * v * (one - a2) + a2) + v * np.sqrt(l * l * (one - a2) + a2)
     return np.minimum(_one(x, 0.5) / s, _one(x, GREATEST))
 
 
-def _v_schlick(x: Arrays) -> NDArray[Any]:
+def _v_schlick(x: Arrays) -> Any:
     k, one = x["alpha"] * _one(x, math.sqrt(2.0 / math.pi)), _one(x, 1.0)
     sides = [c * (one - k) + k for c in (x["a"], x["b"])]
     return _one(x, 0.25) / (sides[0] * sides[1])
 
 
-def _walter(x: Arrays) -> NDArray[Any]:
+def _walter(x: Arrays) -> Any:
     """Without dividing by the cosine twice: G1 / cosine of each side, times each other."""
     one, sides = _one(x, 1.0), []
     for c in (x["a"], x["b"]):

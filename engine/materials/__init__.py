@@ -28,6 +28,7 @@ A feature is a macro of the same name in upper case, always defined, 0 or 1. So 
 reads the second uv set; is transformed), ROLE_<ROLE> and HAS_<STREAM> (the mesh's vertex streams). A technique's own
 macros (`defines`) come after them.
 
-A technique has no compute stage: what it would fill belongs to no material and no pass yet, and what a pass computes
-is a pass of the renderer (engine.render.passes). An effect that says `compute` is told so.
+The technique of the role `texture` draws nothing: its compute stages fill texture slots that a material gives no file
+for (engine.resources.procedural), again where a parameter that they name changes. glsl.py says what such a shader
+sees; shaders/effects/wood.effect.toml is one.
 """

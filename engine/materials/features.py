@@ -40,8 +40,9 @@ def resolve_features(
     """The features of the variant that draws `material` on a mesh with the streams `mesh_layout`.
 
     On are: what the material asks for; what its textures, and those that the effect computes, imply; `vertex_color`
-    when the mesh has colours; `alpha_test` in the queue of that name; `uv1` and `uv_transform` when a used texture needs
-    them. A feature whose vertex streams the mesh lacks is dropped. `also`: feature -> reason, taken where the effect has it.
+    when the mesh has colours; `alpha_test` in the queue of that name; `uv1` and `uv_transform` when a used texture
+    needs them. A feature whose vertex streams the mesh lacks is dropped. `also`: feature -> reason, taken where the
+    effect has it.
     Raises InputError with did-you-mean for features and textures that the effect has not.
     """
     _check_names(effect, material)

@@ -154,7 +154,7 @@ class DrawList:
         self._combos = [tuple(combo) for combo in combos.tolist()]
         known: dict[tuple[int, int, int, int], DrawState] = {}
         for mesh, submesh, material, flags in self._combos:
-            like = (mesh, submesh, self._residency.materials.base_of(material), flags)  # its variations differ in values
+            like = (mesh, submesh, self._residency.materials.base_of(material), flags)  # they differ in values
             if like not in known:
                 known[like] = self._state(mesh, submesh, self._residency.material(material), flags)
             states.append(known[like])

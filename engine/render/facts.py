@@ -43,6 +43,7 @@ class SceneFacts:
     auto_exposure: bool = False
     fxaa: bool = False
     smaa: bool = False
+    depth_of_field: bool = False
     taa: bool = False
     motion: bool = False  # something is gathered over frames, and wants to know where it was (engine/render/motion)
     moving: bool = False  # a thing that is seen moved since the frame before, and the above
@@ -50,7 +51,8 @@ class SceneFacts:
     @property
     def depth_first(self) -> bool:
         """Whether depth is drawn before anything is shaded."""
-        return self.lighting.path == "forward-plus" or self.ambient_occlusion.wanted or self.indirect.wanted or self.force_all
+        from_it = self.ambient_occlusion.wanted or self.indirect.wanted
+        return self.lighting.path == "forward-plus" or from_it or self.force_all
 
     @property
     def depth_format(self) -> str:
@@ -67,6 +69,7 @@ class SceneFacts:
             "CASCADE_TINT": int(self.sun_shadows),  # a forced, empty map is no cascade to show
             "AMBIENT_OCCLUSION": self.ambient_occlusion.shading or int(self.force_all),
             "INDIRECT": int(self.indirect.wanted or self.force_all),
+            "GATHERED": int(self.indirect.gather or self.force_all),
             "REFLECTIONS": int(self.indirect.reflections or self.force_all),
             "LOCAL_LIGHTS": int(self.local_lights or self.force_all),
             "DEBUG_VIEW": DEBUG_VIEWS.index(self.debug_view),

@@ -6,6 +6,7 @@ from engine.assets.scene import EnvironmentAsset
 from engine.gpu.types import Caps
 from engine.render.bloom import bloom_of
 from engine.render.facts import SceneFacts
+from engine.render.focus import dof_wanted
 from engine.render.gi.choice import indirect_of
 from engine.render.look import tone_map_of
 from engine.render.occlusion import occlusion_of
@@ -40,11 +41,14 @@ def facts_of(
         force_all=settings.force_all,
         quality=str(settings.quality),
         stencil=draws.uses_stencil,
-        ambient_occlusion=occlusion_of(settings, lit=lit, solid=draws.has_solid),
+        ambient_occlusion=(
+            hidden := occlusion_of(settings, lit=lit, solid=draws.has_solid, live=view.seconds is not None)
+        ),
         indirect=indirect_of(settings, solid=draws.has_solid, lit=lit, live=view.seconds is not None),
         auto_exposure=settings.auto_exposure and settings.shading_view in LIT_LOOK,
         taa=(taa := taa_wanted(view, caps)),
-        motion=taa,
+        motion=taa or hidden.temporal,
+        depth_of_field=dof_wanted(view, caps),
         bloom=bloom_of(settings, view.width, view.height, shown=settings.shading_view in LIT_LOOK),
         area_lights=rows.light_tables.area,
         light_profiles=rows.light_tables.profiles,

@@ -33,13 +33,14 @@ from engine.render.look import FrameLook
 from engine.render.motion.before import Before
 from engine.render.motion.frame import FrameMotion
 from engine.render.nonfinite import NumberCheck
+from engine.render.occlusion import RESTING
 from engine.render.pass_timer import PassTimer
 from engine.render.paths.choice import PASSES
 from engine.render.programs import Programs
 from engine.render.scene_rows import SceneRows
 from engine.render.scene_variants import SceneVariants
 from engine.render.settings import NONFINITE
-from engine.render.temporal import gathered, jitter_of, taa_wanted
+from engine.render.temporal import gathered, shift_of
 from engine.render.transforms import origin_near
 from engine.render.view import View
 from engine.render.view_block import VIEW_LAYOUT, fill_view_block
@@ -117,9 +118,8 @@ class Renderer:
             self.rows.update(scene, view, origin)
         with self._timer.stage("visibility"):
             motion = self.before.begin(scene, view, origin)
-            if taa_wanted(view, device.caps):
-                motion.jitter = jitter_of(view, motion)
-            self.rows.look(scene, view, shifted=motion.jitter != (0.0, 0.0))
+            motion.jitter = shift_of(view, motion, device.caps)
+            self.rows.look(scene, view, shifted=max(map(abs, motion.jitter)))
         frame = self._frame(scene, view, origin, hdr, motion)
         ahead = self.programs.ahead
         ahead.start(None if view.settings.wants_numbers else patience, frame.facts)
@@ -160,6 +160,7 @@ class Renderer:
         legend = frame.look["legend"]
         settled = not frame.facts.auto_exposure or frame.exposure.settled
         settled = settled and not (frame.facts.taa and frame.motion.frozen < 2 * view.settings.taa_frames)
+        settled = settled and not (frame.facts.ambient_occlusion.temporal and frame.motion.frozen < RESTING)
         return Frame(
             graph.texture("color"), hdr_texture, stats, graph, frame.facts, numbers, self.path, legend, settled
         )

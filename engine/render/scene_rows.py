@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -47,16 +49,17 @@ class SceneRows:
         self.palettes.update(scene, origin)
         self.morphs.update(scene, everything=view.settings.force_all)
 
-    def look(self, scene: Scene, view: View, *, shifted: bool = False) -> None:
-        """What the view sees, as batches. `shifted`: by up to a pixel, so that a pixel more counts on each side."""
+    def look(self, scene: Scene, view: View, *, shifted: float = 0.0) -> None:
+        """What the view sees, as batches. `shifted`: by so many pixels, so that as many more count on each side."""
+        margin = 2.0 * math.ceil(shifted)
         rebuilt = self.draws.build(scene, everything=view.settings.force_all)
-        key = (id(scene), scene.transform_rev, scene.instances.drawn_rev, view.camera.key(), view.aspect, shifted)
+        key = (id(scene), scene.transform_rev, scene.instances.drawn_rev, view.camera.key(), view.aspect, margin)
         if not rebuilt and key == self._visibility_key:
             return
         self._visibility_key = key
         clip = view.camera.clip_from_world(view.aspect)
-        if shifted:
-            clip = np.diag([view.width / (view.width + 2.0), view.height / (view.height + 2.0), 1.0, 1.0]) @ clip
+        if margin:
+            clip = np.diag([view.width / (view.width + margin), view.height / (view.height + margin), 1.0, 1.0]) @ clip
         planes = planes_from_matrix(clip)
         visible = visible_instances(scene, planes)
         pose = view.camera.world_from_camera

@@ -25,7 +25,7 @@ DEBUG_VIEWS = (
 #: shown as the lit picture is, exposed and tone-mapped
 LIT_LOOK = ("lit", "lighting")
 #: on black: what is behind the scene has none of what they show
-ON_BLACK = ("depth", "overdraw", "wireframe", "texel_density", "uv_checker", "shadow_texels", "shadow_maps")
+ON_BLACK = ("depth", "overdraw", "wireframe", "texel_density", "uv_checker", "shadow_texels")
 #: what a view shows, for tooltips and the status bar; the others say it by their names
 VIEW_LEGENDS = {
     "lighting": "white surfaces under the scene's lights",
@@ -156,6 +156,10 @@ class RenderSettings(ParamBlock):
         False, doc="what hides light sends on what it receives, where it is bright; light between surfaces (gi) does so better"
     )
     ao_half: bool = param(False, doc="look at every second row and column only")
+    ao_temporal: bool = param(
+        False, doc="mixes with the frames before, where pictures follow one another: each looks in other directions"
+    )
+    ao_mips: bool = param(False, doc="look far places up in smaller copies of depth: for a large radius in a large picture")
     gi: str = param(
         "off", choices=gi_choice.CHOICES,
         doc="light from surface to surface, as far as the picture and what lies behind it show it. one: light of lamps,"
@@ -168,11 +172,11 @@ class RenderSettings(ParamBlock):
     )
     gi_method: str = param(
         "slices", choices=gi_choice.METHODS,
-        doc="slices: what is nearer hides what is farther; spiral: the mean of what is in front, with nothing in between",
+        doc="slices: what is nearer hides what is farther; spiral: the mean of what is in front, nothing hides anything",
     )  # fmt: skip
-    gi_directions: int = param(2, min=1, max=16, doc="slices through each pixel")
-    gi_steps: int = param(8, min=1, max=64, doc="places on each side of a slice; spiral: places in all")
-    gi_half: bool = param(False, doc="layers of half the width and height")
+    gi_directions: int = param(1, min=1, max=16, doc="slices through each pixel")
+    gi_steps: int = param(16, min=1, max=64, doc="places on each side of a slice; spiral: places in all")
+    gi_half: bool = param(True, doc="layers of half the width and height; whole where there are reflections")
     gi_layers: int = param(2, min=1, max=2, doc="1: what is seen; 2: and the nearest surface behind it")
     gi_separation: float = param(
         0.0, min=0.0, max=1e6, step=0.01, unit="m",
@@ -206,6 +210,16 @@ class RenderSettings(ParamBlock):
     bloom_calm: bool = param(
         False, doc="bright single pixels count less in the halos: they flicker less, but light is lost"
     )
+    depth_of_field: bool = param(False, doc="blur what is not in focus, with samples = 1")
+    focus: float = param(
+        0.0, min=0.0, max=1e6, step=0.05, unit="m", doc="distance that is sharp; 0 = what is in the middle of the picture"
+    )
+    f_stop: float = param(2.8, min=0.5, max=64.0, step=0.1, doc="focal length over the lens's width: less blurs more")
+    sensor: float = param(
+        24.0, min=0.1, max=1000.0, step=0.5, unit="mm", doc="height of the picture in the camera; with the view's angle it"
+        " makes the focal length",
+    )  # fmt: skip
+    focus_taps: int = param(64, min=8, max=256, doc="places that each blurred pixel looks at")
     anisotropy: float = param(8.0, min=1.0, max=16.0, step=1.0, doc="texture sharpness at a grazing angle; 1 = off")
     force_all: bool = param(False, doc="leave nothing out: every pass and every branch runs")
     check_numbers: bool = param(False, doc="count NaN and infinities in what each pass wrote (slow)")

@@ -26,6 +26,12 @@ def jitter_of(view: View, motion: FrameMotion) -> tuple[float, float]:
     return pixel_jitter(motion.frames, int(view.settings.taa_frames))
 
 
+def shift_of(view: View, motion: FrameMotion, caps: Caps) -> tuple[float, float]:
+    """Pixels that a frame is shifted by: as the view says, and for TAA by where in its pixels it looks."""
+    x, y = jitter_of(view, motion) if taa_wanted(view, caps) else (0.0, 0.0)
+    return view.shift[0] + x, view.shift[1] + y
+
+
 def gathered(view: View, caps: Caps) -> list[View]:
     """The frames to make for one picture that depends on nothing but the scene: the view itself, or for TAA a run of
     `taa_frames` that begins with a cut, with time standing still."""

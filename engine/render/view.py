@@ -13,7 +13,8 @@ from engine.render.settings import RenderSettings
 class View:
     """`width`, `height` in pixels, at least 1. `seconds`: since the picture before, for what takes time to adapt; None:
     it has had all the time it needs, so that a picture depends on nothing but the scene. `key` tells the views of one
-    renderer apart: each has its own frame before (engine/render/motion). `cut`: that one tells nothing about this one."""
+    renderer apart: each has its own frame before (engine/render/motion). `cut`: that one tells nothing about this one.
+    `shift`: pixels that the picture is moved to the right and down by, as by a lens that is shifted."""
 
     camera: Camera
     width: int
@@ -22,6 +23,7 @@ class View:
     seconds: float | None = None
     key: Hashable = ""
     cut: bool = False
+    shift: tuple[float, float] = (0.0, 0.0)
 
     @property
     def aspect(self) -> float:

@@ -141,8 +141,17 @@ def _merge_node(base: NodeAsset, theirs: NodeAsset, ours: NodeAsset, what: str, 
         for slot, (old, now) in enumerate(zip(base.mesh.materials, ours.mesh.materials, strict=False)):
             if old != now and slot < len(materials):
                 materials[slot] = merge_value(old, materials[slot], now, f"{what}material {slot}", report)
-        merged.mesh = replace(merged.mesh, materials=materials)
+        merged.mesh = replace(merged.mesh, materials=materials, overrides=_own_values(ours, len(materials), report))
     return merged
+
+
+def _own_values(ours: NodeAsset, slots: int, report: Report) -> list[dict[str, Any]]:
+    """What the object's materials are other in than their files: the user's alone, no import says it."""
+    said = ours.mesh.overrides if ours.mesh is not None else []
+    for slot, values in enumerate(said[max(slots, 1) :], max(slots, 1)):
+        if values:
+            report.orphans.append(f"{ours.name}: {', '.join(values)} of material slot {slot}, which is gone")
+    return [dict(values) for values in said[: max(slots, 1)]]
 
 
 def _merge_record(base: Any, theirs: Any, ours: Any, kind: type, what: str, report: Report) -> Any:

@@ -15,6 +15,7 @@ from typing import Any
 
 from engine.assets.material import MaterialAsset
 from engine.assets.material_toml import parse_material, read_material, update_material
+from engine.assets.prefab import map_files
 from engine.assets.scene import SceneAsset
 from engine.assets.scene_json import read_scene, write_scene
 from engine.core.errors import LucarnaError, OutputError
@@ -67,12 +68,7 @@ def rebased(asset: SceneAsset, folder: Path, out: Path, known: set[str]) -> Scen
             return reference
         return Path(os.path.relpath(folder / reference, out)).as_posix()
 
-    for node in asset.nodes:
-        if node.mesh is not None:
-            node.mesh.file = follow(node.mesh.file)
-            node.mesh.materials = [follow(m) for m in node.mesh.materials]
-        if node.light is not None:
-            node.light.profile = follow(node.light.profile)
+    asset.nodes = [map_files(node, follow) for node in asset.nodes]
     asset.clips = [follow(c) for c in asset.clips]
     asset.environment.path = follow(asset.environment.path)
     asset.animation = follow(asset.animation)

@@ -131,7 +131,11 @@ Surface gather(MaterialParams m)
 
 #if INDIRECT_LIGHT
     // both tell of the same surroundings: the darker holds
+#if GATHERED
     vec4 indirect = indirect_light(gl_FragCoord.xy);
+#else
+    vec4 indirect = vec4(0.0, 0.0, 0.0, 1.0);
+#endif
     gathered_light = indirect.rgb * s.occlusion;
 #if AMBIENT_VISIBILITY
     s.occlusion *= min(ambient_visibility(gl_FragCoord.xy), indirect.a);
@@ -358,7 +362,7 @@ void main()
 #endif
 #elif DEBUG_VIEW >= 22 && DEBUG_VIEW <= 25
     color = vec3(0.0);
-#if INDIRECT_LIGHT
+#if INDIRECT_LIGHT && GATHERED
     color = indirect_light(gl_FragCoord.xy).rgb;
 #endif
 #elif DEBUG_VIEW == 26

@@ -11,7 +11,10 @@ layout(binding = 26) uniform sampler2DShadow t_local_shadow;
 layout(std430, binding = 11) readonly buffer LocalShadowBlock { vec4 local_shadows[]; };
 
 const float LOCAL_FOOTPRINT = 1.5;   // texels that one lookup reaches, engine/render/shadows/bias.py
-const float LOCAL_CONSTANT = 0.25;   // texels towards the light: rounding of depths and positions
+// texels towards the light, and as many per texel of the filter's radius: where walls meet, what a lookup finds beside the
+// point is the other wall, as far before this one's plane as a texel is wide
+const float LOCAL_CONSTANT = 0.75;
+const float LOCAL_PER_RADIUS = 0.75;
 const float LOCAL_LEAST_SINE = 0.3;  // a normal map may face the light where its surface does not
 
 // Which face of a cube direction q meets: +X -X +Y -Y +Z -Z.
@@ -51,7 +54,7 @@ float local_visibility(uint i, vec3 p, vec3 n, uvec2 pixel)
     float texel = square.y * depth;
     q += n * (texel * (LOCAL_FOOTPRINT + radius) * max(length(aside), LOCAL_LEAST_SINE));
     depth = max(dot(q, forward.xyz), square.z);
-    float along = square.z / max(depth - LOCAL_CONSTANT * texel, square.z);
+    float along = square.z / max(depth - (LOCAL_CONSTANT + LOCAL_PER_RADIUS * radius) * texel, square.z);
     vec2 ndc = vec2(dot(q, right.xyz), dot(q, up.xyz)) / (depth * forward.w);
     vec2 middle = vec2(right.w, up.w) + vec2(ndc.x, -ndc.y) * square.x;
     vec2 low = vec2(right.w, up.w) - (square.x - 0.5 * square.w);

@@ -122,8 +122,9 @@ float shadow_penumbra(ShadowReceiver r, float turn)
     vec2 direction = vec2(cos(turn), sin(turn));
     float distance_sum = 0.0;
     float casters = 0.0;
-    for (int k = 0; k < taps; ++k) {
-        vec2 offset = direction * (r.square.w * widest * vogel_radius(k, taps));
+    for (int k = 0; k <= taps; ++k) {
+        // the middle, too: what is smaller than the search hides it all the same
+        vec2 offset = k < taps ? direction * (r.square.w * widest * vogel_radius(k, taps)) : vec2(0.0);
         float above = textureLod(t_sun_depth, shadow_uv(r, offset), 0.0).r - shadow_depth(r, offset);
         if (above > 0.0) {
             distance_sum += above;

@@ -9,9 +9,19 @@
 //           Occlusion", eq. 7 to 9; the horizon sinks with distance step by step, not as a whole, which
 //           left a wall of infinite height half as dark as it is (0.25 for 0.40 at half the radius)
 #include "lib/surface_from_depth.glsl"
+#include "lib/ambient_texels.glsl"
+#if LEVELS > 0
+#include "lib/half_depths.glsl"
+#endif
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(binding = 1, FORMAT) uniform writeonly image2D i_visibility;
+#if LEVELS > 0
+layout(binding = 17) uniform sampler2D t_depths;
+
+// log2 of the pixels from which on the next smaller copy of depth is taken: places lie that far apart, or more
+const int FINE = 3;
+#endif
 
 // A place in a pattern of 4 x 4 pixels, 0 to 15, far from those beside it (Bayer 1973).
 int pattern(ivec2 pixel)
@@ -38,7 +48,20 @@ vec3 blocker(ivec2 pixel, ivec2 own, vec3 p, out bool seen)
 {
     seen = false;
     if (pixel == own || !inside_picture(pixel)) return vec3(0.0);
+#if LEVELS > 0
+    vec2 apart = vec2(pixel - own);
+    int level = min(int(floor(0.5 * log2(dot(apart, apart)))) - FINE, LEVELS);
+    float depth;
+    if (level > 0) {
+        ivec2 texel = min(pixel >> level, textureSize(t_depths, level - 1) - 1);
+        depth = texelFetch(t_depths, texel, level - 1).r;
+        pixel = whole_texel(texel, level);
+    } else {
+        depth = depth_at(pixel);
+    }
+#else
     float depth = depth_at(pixel);
+#endif
     if (!(depth > 0.0)) return vec3(0.0);
     seen = true;
     return place_at(pixel, depth) - p;
@@ -186,8 +209,8 @@ void main()
         float pixels = ao.radius * pixels_per_metre(view_depth(p));
         float reach = min(pixels, 0.5 * view.size.y);
         if (reach > 1.0) {
-            float turn = (float(pattern(texel)) + 0.5) / 16.0;
-            float shift = (float(pattern(texel.yx + ivec2(1, 2))) + 0.5) / 16.0;
+            float turn = fract((float(pattern(texel)) + 0.5) / 16.0 + ao.turn);
+            float shift = fract((float(pattern(texel.yx + ivec2(1, 2))) + 0.5) / 16.0 + ao.shift);
 #if METHOD == 0
             visible.w = alchemy(own, p, n, reach, turn);
 #elif METHOD == 1
@@ -203,9 +226,5 @@ void main()
     }
     // one slice may well see more than 1 or less than 0, as others see less or more: it is the filtered value that ends there
     float open = visible.w == visible.w ? clamp(visible.w, -4.0, 4.0) : 1.0;
-#if BENT
-    imageStore(i_visibility, texel, vec4(offset == offset ? offset : vec3(0.0), open));
-#else
-    imageStore(i_visibility, texel, vec4(open));
-#endif
+    imageStore(i_visibility, texel, TEXEL(vec4(offset == offset ? offset : vec3(0.0), open)));
 }

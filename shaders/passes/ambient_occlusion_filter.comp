@@ -1,16 +1,11 @@
 // Averages the visibility over the period of its pattern, on the same surface only, and brings it to full size: a joint
 // bilateral filter (Petschnigg et al. 2004; Kopf et al. 2007) whose second distance is that from the pixel's own plane.
 #include "lib/surface_from_depth.glsl"
+#include "lib/ambient_texels.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(binding = 10) uniform sampler2D t_visibility;
 layout(binding = 1, FORMAT) uniform writeonly image2D i_filtered;
-
-#if BENT
-#define VISIBLE(texel) (texel)
-#else
-#define VISIBLE(texel) vec4(0.0, 0.0, 0.0, (texel).r)
-#endif
 
 void main()
 {
@@ -43,9 +38,5 @@ void main()
         }
         filtered = weights > 1e-4 ? sum / weights : VISIBLE(texelFetch(t_visibility, min(middle, last), 0));
     }
-#if BENT
-    imageStore(i_filtered, own, vec4(filtered.xyz, sat(filtered.w)));
-#else
-    imageStore(i_filtered, own, vec4(sat(filtered.w)));
-#endif
+    imageStore(i_filtered, own, TEXEL(vec4(filtered.xyz, sat(filtered.w))));
 }

@@ -19,7 +19,7 @@ void main()
     int index = cell.x + cell.y * int(columns);
     vec2 uv = (fract(at) - 0.02) / 0.96;
     bool inside = index < count && cell.x < int(columns) && all(greaterThanEqual(uv, vec2(0.0))) && all(lessThan(uv, vec2(1.0)));
-    vec3 color = vec3(0.02);
+    vec3 color = vec3(0.0);
     if (inside && index < int(maps.cascades)) {
         float d = textureLod(t_cascades, vec3(uv, float(index)), 0.0).r;
         color = d > 0.0 ? vec3(0.03 + 0.97 * d) : vec3(0.0, 0.0, 0.05);

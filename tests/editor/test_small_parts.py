@@ -228,7 +228,7 @@ def test_tree_rows() -> None:
     assert [(r.row, r.depth) for r in visible_rows(document, set())] == [(0, 0), (4, 0)]
     assert [(r.row, r.depth) for r in visible_rows(document, {0, 1})] == [(0, 0), (1, 1), (2, 2), (3, 1), (4, 0)]
     assert [r.row for r in matching_rows(document, "lid")] == [0, 1, 2]
-    assert ancestors(document, 2) == [1, 0]
+    assert ancestors(document, (2,)) == {1, 0}
     assert kinds(document) == {1: "mesh", 2: "mesh", 3: "light", 4: "camera"}
 
 

@@ -28,7 +28,9 @@ from engine.gpu.types import Device
 from tests.resources.test_hot_reload import EFFECT, FRAG, INCLUDE, MATERIAL, TONE, Project
 
 VERT = "shaders/effects/surface.vert"
-FILES = (FRAG, FRAG, EFFECT, EFFECT, EFFECT, INCLUDE, MATERIAL, TONE, VERT)
+#: of an effect that computes its textures, and extends the one above
+COMPUTED, COMP = "shaders/effects/wood.effect.toml", "shaders/effects/wood.comp"
+FILES = (FRAG, FRAG, EFFECT, EFFECT, EFFECT, INCLUDE, MATERIAL, TONE, VERT, COMPUTED, COMPUTED, COMP, COMP)
 TOKENS = (
     b"{", b"}", b"(", b";", b"[", b"]", b'"', b"=", b"#", b"\x00", b"\xff", b"\xed\xa0\x80", b"\r", b"//", b"/*",
     b"#if ", b"#endif\n", b'#include "lib/lights.glsl"\n', b'extends = "surface"\n', b"[params.x]\n", b"nan", b"1e999",
@@ -187,7 +189,7 @@ def fuzz(
 ) -> Tally:
     """Make `count` edits in a project in `folder`; the same seed makes the same edits."""
     tally = Tally()
-    project = Project(device, folder)
+    project = Project(device, folder, effect="wood")
     try:
         for file in dict.fromkeys(FILES):
             write(folder / file, (folder / file).read_bytes(), -1.0)

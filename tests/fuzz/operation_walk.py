@@ -48,7 +48,8 @@ class Model:
         """Take over what a trace line says. Raises Broken where a state is not the one it was."""
         done, undone, now = event["done"], event["undone"], event["state"]
         if event["e"] == "open":
-            self.states, self.at = [now], 0
+            # a history that is there already was restored in part: what its states were, the first visit tells
+            self.states, self.at = [""] * done + [now] + [""] * undone, done
             return
         if event["e"] == "do":
             if event["dropped"]:
@@ -56,6 +57,7 @@ class Model:
             self.states = [*self.states[:done], now]
         elif event["e"] in ("undo", "redo", "end", "saved"):
             del self.states[done + undone + 1 :]
+            self.states[done] = self.states[done] or now
             if self.states[done] != now:
                 raise Broken(
                     f"after {event['e']} to entry {done} the document is not what it was there: "

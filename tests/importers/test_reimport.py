@@ -86,6 +86,18 @@ def test_both_sides_go_through_where_they_differ() -> None:
     assert "intensity" in report.conflicts[0]
 
 
+def test_parameters_of_one_object_stay_on_it() -> None:
+    def scene(materials: list[str], overrides: list[dict[str, object]]) -> SceneAsset:
+        return SceneAsset("s", [NodeAsset("box", mesh=MeshRef("m.lmesh", 0, "box", materials, overrides))])
+
+    before, now = scene(["a", "b"], []), scene(["a"], [])
+    report = Report()
+    merged, _ = merge_scene(before, now, scene(["a", "b"], [{"roughness": 0.1}, {"metallic": 0.5}]), [0], report)
+    assert merged.nodes[0].mesh is not None
+    assert merged.nodes[0].mesh.overrides == [{"roughness": 0.1}]
+    assert any("metallic of material slot 1, which is gone" in told for told in report.orphans)
+
+
 def test_what_the_source_lost_is_told_with_what_you_had_done_to_it() -> None:
     base, theirs, ours = scene(), scene(), scene()
     del theirs.nodes[3], theirs.nodes[2]

@@ -58,6 +58,7 @@ TOGGLES: dict[str, tuple[SceneSpec, SceneSpec, tuple[str, ...]]] = {
     "bloom": (LIT, replace(LIT, bloom=0.3), ()),
     "auto_exposure": (LIT, replace(LIT, auto_exposure=True), ()),
     "fxaa": (LIT, replace(LIT, antialias="fxaa"), ()),
+    "depth_of_field": (LIT, replace(LIT, depth_of_field=True), ()),
     "smaa": (LIT, replace(LIT, antialias="smaa"), ()),
     "taa": (LIT, replace(LIT, antialias="taa"), ("motion",)),
     "local_shadows": (

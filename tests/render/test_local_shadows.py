@@ -9,6 +9,7 @@ import pytest
 
 from engine.assets.primitives import card, cube, uv_sphere
 from engine.assets.scene import LightAsset
+from engine.math import quat
 from engine.math.transform import look_at
 from engine.render.camera import Camera
 
@@ -185,3 +186,19 @@ def test_too_many_lights_are_told_of(stage, surface) -> None:
     stage.hdr((16, 16), camera)
     assert not len(renderer.light_findings)
     assert len(renderer.rows.local_shadows.tiles) == 1 + 6 * 6
+
+
+@pytest.mark.parametrize("kind", LAMPS)
+@pytest.mark.parametrize("filter", ["pcf", "vogel8"])
+def test_no_dark_line_where_walls_meet(stage, surface, kind, filter) -> None:
+    """A floor and two walls, a lamp before them: nothing hides anything, up to the corner itself."""
+    stage.dark()
+    wall = surface(features=("double_sided",), metallic=0.0)
+    stage.add(card(4.0), wall, rotation=DOWN)
+    stage.add(card(4.0), wall, (0.0, 2.0, -2.0))
+    stage.add(card(4.0), wall, (-2.0, 2.0, 0.0), rotation=(0.0, math.sin(math.pi / 4), 0.0, math.cos(math.pi / 4)))
+    pose = look_at((0.3, 1.6, 0.4), (-1.2, 0.5, -1.3))
+    stage.lamp(LAMPS[kind], (0.3, 1.6, 0.4), quat.from_matrix3(pose[:3, :3]))
+    seen = lit(stage, Camera(look_at((0.6, 1.9, 0.8), (-2.0, 0.0, -2.0)), 0.6, znear=0.05), shadow_filter=filter,
+               local_shadow_size=1024)  # fmt: skip
+    assert (seen < 0.9).mean() < 2e-3

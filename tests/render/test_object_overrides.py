@@ -151,6 +151,23 @@ def test_mistakes_in_the_file(value: str, message: str) -> None:
     assert message in str(caught.value)
 
 
+def test_from_the_command_line(gl_device: Device, project: EffectProject, capsys: pytest.CaptureFixture[str]) -> None:
+    from engine.report.image import load_png
+    from importers.cli.main import main
+
+    out = project.folder / "a.png"
+    arguments = ["render", str(project.scene), "--out", str(out), "--size", "96x48", "--view", "base_color"]
+    assert main([*arguments, "--set", "objects.left.base_color=0,0,1,1"]) == 0
+    seen = load_png(out)[..., :3].astype(int)
+    assert ((seen[..., 2] > 200) & (seen[..., 0] < 30)).any()
+    for wrong, told in (
+        ("objects.lefd.roughness=1", "did you mean 'left'"),
+        ("objects.left.roughnes=1", "'roughness'"),
+    ):
+        assert main([*arguments, "--set", wrong]) != 0
+        assert told in capsys.readouterr().err
+
+
 def test_two_thousand_objects_stay_one_command(null_device: Device, tmp_path: Path) -> None:
     project = scene_of(tmp_path, {})
     scene = read_scene(project.scene)

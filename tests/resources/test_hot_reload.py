@@ -34,12 +34,12 @@ MATERIAL = "paint.material.toml"
 class Project:
     """A scene of one cube with its own copy of the shaders, open and drawn."""
 
-    def __init__(self, device: Device, folder: Path) -> None:
+    def __init__(self, device: Device, folder: Path, effect: str = "surface") -> None:
         self.folder = folder
         shutil.copytree(shaders_dir(), folder / "shaders")
         write_lmesh(folder / "a.lmesh", [cube()], {})
         params = {"base_color": (0.8, 0.2, 0.1, 1.0), "metallic": 0.0, "roughness": 0.4}
-        write_material(folder / MATERIAL, MaterialAsset("paint", params=params))
+        write_material(folder / MATERIAL, MaterialAsset("paint", effect, params=params))
         node = NodeAsset("cube", mesh=MeshRef("a.lmesh", 0, "cube", [MATERIAL]))
         look = EnvironmentAsset("uniform", color=(0.7, 0.7, 0.7), background="color", sun_illuminance=0.0)
         write_scene(folder / "a.scene.json", SceneAsset("a", [node], environment=look))

@@ -19,6 +19,7 @@ from engine.assets.primitives import card, cube, plane, uv_sphere
 from engine.assets.scene import EnvironmentAsset, LightAsset
 from engine.assets.texture import TextureAsset
 from engine.core.errors import InputError
+from engine.experiments.harness import rooms
 from engine.experiments.harness.scenes import MADE, MadeScene
 from engine.gpu.types import Device
 from engine.math import quat
@@ -209,6 +210,7 @@ def nothing(scene: MadeScene) -> None:
 SAMPLES: dict[str, Callable[[MadeScene], None]] = {
     "nothing": nothing, "flat": flat, "ball": ball, "textured": textured, "glass": glass, "leaves": leaves,
     "blocks": blocks, "room": room, "court": court, "nave": nave, "panel": panel, "crowd": crowd, "metals": metals,
+    "box": rooms.box, "atrium": rooms.atrium,
 }  # fmt: skip
 
 

@@ -2,14 +2,16 @@
 
 May import what engine.render may. The passes are in engine/render/passes, named beside what they do:
 
-    depth first ─► deep_gbuffer   layer 0: what is seen; layer 1: the nearest surface that lies behind it by `separation`
-                ─► radiosity      what both layers send out: lamps and suns (with shadows), emission; smaller sizes of it
-                ─► indirect       gathered at each pixel, filtered; bounces: back into radiosity
+    depth first ─► deep_gbuffer   layer 0: what is seen; layer 1: the nearest surface behind it by `separation`
+                ─► radiosity      what both layers send out: lamps, suns (with shadows), emission; smaller sizes of it
+                ─► bounces        what they reflect of light gathered at coarse texels, again and again
+                ─► indirect       gathered at each pixel, mixed with the frames before, filtered
                 ─► reflections    marched through both layers along the mirrored view
                 ─► opaque surfaces read both (shaders/lib/indirect.glsl)
 
 choice.py      which of it a view has, and how far it looks
 block.py       the uniform block of these passes
+gather.py      the gather and the textures that it reads
 layers.py      pipelines that draw the layers
 state.py       what is kept between frames: the camera before, the scene's size
 

@@ -35,8 +35,8 @@ class Indirect:
     bounces: int = 1
     live: bool = False
     smooth: bool = False
-    directions: int = 2
-    steps: int = 8
+    directions: int = 1
+    steps: int = 16
     stride: int = 1
     layers: int = 2
     unseen: str = "environment"
@@ -62,8 +62,8 @@ class Indirect:
 
 
 def indirect_of(settings: RenderSettings, *, solid: bool, lit: bool = False, live: bool = False) -> Indirect:
-    """What the view asks for; `solid`: something stands there; `lit`: the environment gives light; `live`: frames follow
-    one another."""
+    """What the view asks for; `solid`: something stands there; `lit`: the environment gives light; `live`: frames
+    follow one another."""
     view = settings.shading_view
     why = (
         "light between surfaces is off" if settings.gi == "off" and not settings.reflections
@@ -75,10 +75,11 @@ def indirect_of(settings: RenderSettings, *, solid: bool, lit: bool = False, liv
     if why:
         return Indirect(why_not=why)
     many = settings.gi == "many"
+    half = settings.gi_half and not settings.reflections  # mirrors show every texel
     return Indirect(
         method=str(settings.gi_method), bounces=int(settings.gi_bounces) if many and not live else 1,
         live=live and many, smooth=live and bool(settings.gi_smooth) and settings.gi != "off",
-        directions=int(settings.gi_directions), steps=int(settings.gi_steps), stride=2 if settings.gi_half else 1,
+        directions=int(settings.gi_directions), steps=int(settings.gi_steps), stride=2 if half else 1,
         layers=int(settings.gi_layers), unseen=str(settings.gi_unseen), gather=settings.gi != "off",
         reflections=bool(settings.reflections), reflection_steps=int(settings.reflection_steps), sky=lit, why_not="",
     )  # fmt: skip

@@ -38,9 +38,7 @@ class IndirectState:
         self._views: OrderedDict[Hashable, _Seen] = OrderedDict()
         self._size: tuple[object, float] = ((), 1.0)
 
-    def look(
-        self, scene: Scene, view: View, facts: SceneFacts
-    ) -> dict[str, Any]:
+    def look(self, scene: Scene, view: View, facts: SceneFacts) -> dict[str, Any]:
         """`facts`: of this frame."""
         key = facts.hdr_output  # that of the frame graph
         if not facts.indirect.wanted:

@@ -1,8 +1,8 @@
 """More than one bounce: what the layers reflect of light that was gathered at every fourth of their texels.
 
 still    gather coarsely ─► reflect ─► smaller sizes, again for each bounce
-motion   reflect what the frame before gathered, where it was then ─► gather coarsely for the next frame: one more bounce
-         each frame, and nothing of a camera that jumped
+motion   reflect what the frame before gathered, where it was then ─► gather coarsely for the next frame: one more
+         bounce each frame, and nothing of a camera that jumped
 """
 
 from __future__ import annotations

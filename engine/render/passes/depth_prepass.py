@@ -17,7 +17,8 @@ class DepthPrepass(Pass):
     reach: ClassVar[int | None] = 0
 
     def needs(self, facts: SceneFacts) -> bool | str:
-        if facts.ambient_occlusion.wanted or facts.indirect.wanted or (facts.local_lights and facts.lighting.path == "forward-plus"):
+        lists = facts.local_lights and facts.lighting.path == "forward-plus"
+        if lists or facts.ambient_occlusion.wanted or facts.indirect.wanted:
             return True
         return "no lists of lights and no ambient occlusion are made from it"
 

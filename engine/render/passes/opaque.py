@@ -15,6 +15,7 @@ from engine.render.passes.ambient_occlusion import FILTERED, ambient_inputs
 from engine.render.passes.indirect import INDIRECT, indirect_inputs
 from engine.render.passes.light_culling import LIGHT_TILES, light_list_inputs
 from engine.render.passes.local_shadows import LOCAL_SHADOW, local_shadow_inputs
+from engine.render.passes.reflections import REFLECTIONS, reflection_inputs
 from engine.render.passes.shadow_cascades import SUN_MOMENTS, SUN_SHADOW, shadow_inputs
 
 HDR_FORMAT = "rgba16f"
@@ -24,6 +25,14 @@ LIGHT_SUM = "light_sum"
 
 #: rgba16f: light apart from surfaces, in the three-pass form: diffuse light, luminance of the specular one
 GATHERED = "light_gathered"
+
+
+def surface_inputs(ctx: PassContext) -> dict[int, Any]:
+    """What surface shaders look up besides their own textures, by texture unit."""
+    return {
+        **shadow_inputs(ctx), **local_shadow_inputs(ctx), **ambient_inputs(ctx), **indirect_inputs(ctx),
+        **reflection_inputs(ctx),
+    }  # fmt: skip
 
 
 class OpaquePass(Pass):
@@ -47,6 +56,7 @@ class OpaquePass(Pass):
             b.create("hdr", HDR_FORMAT, samples=samples)
         b.read(FILTERED, optional=True)
         b.read(INDIRECT, optional=True)
+        b.read(REFLECTIONS, optional=True)
         if lighting.path == "forward-plus":
             b.read(LIGHT_TILES)
         if b.facts.depth_first:
@@ -59,7 +69,7 @@ class OpaquePass(Pass):
         lighting = frame.facts.lighting
         background: Any = frame.look["background"]
         batches = frame.draws.opaque
-        inputs = {**shadow_inputs(ctx), **local_shadow_inputs(ctx), **ambient_inputs(ctx), **indirect_inputs(ctx)}
+        inputs = surface_inputs(ctx)
         if lighting.deferred:
             colors = [ColorAttachment(ctx.texture(LIGHT_SUM), clear=background)]
             nothing = (float(NO_REFLECTION), 0.0, 0.0, 0.0)
@@ -94,6 +104,7 @@ class OpaqueForwardPass(Pass):
         b.read(LOCAL_SHADOW, optional=True)
         b.read(FILTERED, optional=True)
         b.read(INDIRECT, optional=True)
+        b.read(REFLECTIONS, optional=True)
         b.write("hdr")
         b.write("depth")
 
@@ -101,6 +112,6 @@ class OpaqueForwardPass(Pass):
         frame: RenderFrame = ctx.frame
         batches = [batch for batch in frame.draws.opaque if not frame.programs.has_role(batch.state, "gbuffer")]
         depth = DepthAttachment(ctx.texture("depth"))
-        inputs = {**shadow_inputs(ctx), **local_shadow_inputs(ctx), **ambient_inputs(ctx), **indirect_inputs(ctx)}
+        inputs = surface_inputs(ctx)
         with ctx.device.render_pass(self.name, [ColorAttachment(ctx.texture("hdr"))], depth) as render_pass:
             frame.draw_batches(render_pass, batches, frame.facts.samples, inputs)

@@ -1,8 +1,8 @@
 """Subpixel morphological anti-aliasing of the finished picture: edges, how much of a pixel lies beyond its edge, blend.
 
 Jimenez, Echevarria, Sousa, Gutierrez 2012, "SMAA: Enhanced Subpixel Morphological Antialiasing", in its form for one
-sample, without diagonal patterns. Areas are computed where they are needed and lines followed pixel by pixel, so that there are no
-tables of areas and searches."""
+sample, without diagonal patterns. Areas are computed where they are needed and lines followed pixel by pixel, so that
+there are no tables of areas and searches."""
 
 from __future__ import annotations
 

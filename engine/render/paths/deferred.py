@@ -16,6 +16,7 @@ from engine.render.passes.local_shadows import LocalShadowsPass
 from engine.render.passes.motion import LateMotionPass, MotionPass
 from engine.render.passes.opaque import OpaqueForwardPass, OpaquePass
 from engine.render.passes.radiosity import RadiosityPass
+from engine.render.passes.reflections import ReflectionsPass
 from engine.render.passes.scene_color import SceneColorPass
 from engine.render.passes.shadow_cascades import ShadowCascadesPass
 from engine.render.passes.shadow_maps import ShadowMapsPass
@@ -31,7 +32,7 @@ def deferred_passes() -> list[Pass]:
     return [
         ShadowCascadesPass(), ShadowMomentsPass(), LocalShadowsPass(), DepthPrepass(), MotionPass(),
         AmbientOcclusionPass(),
-        DeepGbufferPass(), RadiosityPass(), BouncesPass(), IndirectPass(),
+        DeepGbufferPass(), RadiosityPass(), BouncesPass(), IndirectPass(), ReflectionsPass(),
         OpaquePass(), LightVolumesPass(),
         LightResolvePass(), OpaqueForwardPass(), SkyPass(), LightCullingPass(),
         LateMotionPass(), SceneColorPass(), TransparentPass(),
@@ -44,7 +45,7 @@ def tiled_deferred_passes() -> list[Pass]:
     return [
         ShadowCascadesPass(), ShadowMomentsPass(), LocalShadowsPass(), DepthPrepass(), MotionPass(),
         AmbientOcclusionPass(),
-        DeepGbufferPass(), RadiosityPass(), BouncesPass(), IndirectPass(),
+        DeepGbufferPass(), RadiosityPass(), BouncesPass(), IndirectPass(), ReflectionsPass(),
         OpaquePass(), LightCullingPass(),
         TiledShadingPass(), OpaqueForwardPass(), SkyPass(),
         LateMotionPass(), SceneColorPass(), TransparentPass(), LightHeatPass(), ShadowMapsPass(), *lens_passes(),

@@ -14,6 +14,7 @@ from engine.render.passes.local_shadows import LocalShadowsPass
 from engine.render.passes.motion import LateMotionPass, MotionPass
 from engine.render.passes.opaque import OpaquePass
 from engine.render.passes.radiosity import RadiosityPass
+from engine.render.passes.reflections import ReflectionsPass
 from engine.render.passes.scene_color import SceneColorPass
 from engine.render.passes.shadow_cascades import ShadowCascadesPass
 from engine.render.passes.shadow_maps import ShadowMapsPass
@@ -27,7 +28,7 @@ def forward_plus_passes() -> list[Pass]:
     return [
         ShadowCascadesPass(), ShadowMomentsPass(), LocalShadowsPass(), DepthPrepass(), MotionPass(),
         AmbientOcclusionPass(),
-        DeepGbufferPass(), RadiosityPass(), BouncesPass(), IndirectPass(),
+        DeepGbufferPass(), RadiosityPass(), BouncesPass(), IndirectPass(), ReflectionsPass(),
         LightCullingPass(), OpaquePass(), SkyPass(), LateMotionPass(), SceneColorPass(), TransparentPass(),
         LightHeatPass(), ShadowMapsPass(), *lens_passes(),
     ]  # fmt: skip

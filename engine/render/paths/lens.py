@@ -6,6 +6,7 @@ from engine.framegraph.passes import Pass
 from engine.render.extra_passes import EXTRA
 from engine.render.passes.auto_exposure import AutoExposurePass
 from engine.render.passes.bloom import BloomPass
+from engine.render.passes.depth_of_field import DepthOfFieldPass
 from engine.render.passes.fxaa import FxaaPass
 from engine.render.passes.resolve import ResolvePass
 from engine.render.passes.smaa import SmaaPass
@@ -14,5 +15,6 @@ from engine.render.passes.tone_map import ToneMapPass
 
 
 def lens_passes() -> list[Pass]:
+    light = [TaaPass(), DepthOfFieldPass(), AutoExposurePass(), BloomPass()]
     filters = [FxaaPass(), SmaaPass()]
-    return [TaaPass(), AutoExposurePass(), BloomPass(), ResolvePass(), ToneMapPass(), *filters, *EXTRA.make()]
+    return [*light, ResolvePass(), ToneMapPass(), *filters, *EXTRA.make()]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,6 +23,8 @@ GRID = 16
 MARGIN = 6
 #: depth reaches so many half widths beyond the square's own cube; what casts from further away is drawn at that end
 DEPTH_REACH = 63.0
+#: steps of the search for a depth up to which one is
+BISECTIONS = 5
 #: a cascade that is not this much smaller than the next one gains nothing
 WORTHWHILE = 0.75
 
@@ -83,6 +86,17 @@ def view_range(camera: Camera, receivers: Boxes, distance: float) -> tuple[float
     return (near, far) if far >= near else None
 
 
+def nearest_body(receivers: Boxes, near: float, far: float) -> float:
+    """Where there is something to see: the nearest depth of a receiver that the camera is not inside of, but no further
+    than the middle of the range (by logarithms). A ground that reaches to the horizon has bounds around the camera, which
+    say nothing; splitting from there on would spend cascades on air."""
+    if far <= near:
+        return near
+    outside = receivers.near[receivers.near > near]
+    found = float(outside.min()) if len(outside) else near
+    return max(near, min(found, math.sqrt(near * far)))
+
+
 def fit_cascades(
     camera: Camera, aspect: float, axes: F8, receivers: Boxes, casters: Boxes, *,
     count: int, size: int, weight: float, distance: float,
@@ -96,12 +110,39 @@ def fit_cascades(
     if depths is None or len(casters) == 0:
         return []
     near, far = depths
-    found: list[Cascade] = []
-    for cut in practical_splits(near, far, count, weight)[:0:-1]:  # from the largest to the smallest
-        cascade = _around(camera, aspect, axes, receivers, casters, near, float(cut), size)
-        if cascade is not None and (not found or cascade.half_width < WORTHWHILE * found[-1].half_width):
+
+    def around(cut: float) -> Cascade | None:
+        return _around(camera, aspect, axes, receivers, casters, near, cut, size)
+
+    whole = around(far)
+    if whole is None:
+        return []
+    found, start = [whole], nearest_body(receivers, near, far)
+    cuts = practical_splits(start, far, count, weight)[1:-1]
+    if len(cuts) and not _gains(around(float(cuts[-1])), whole):
+        # all that is seen lies within a small place: where it is cut, smaller squares have to begin
+        cuts = practical_splits(start, _first_gain(around, start, float(cuts[-1]), whole), count - 1, weight)[1:]
+    for cut in cuts[::-1]:  # from the largest to the smallest
+        cascade = around(float(cut))
+        if cascade is not None and _gains(cascade, found[-1]):
             found.append(cascade)
     return found[::-1]
+
+
+def _gains(cascade: Cascade | None, larger: Cascade) -> bool:
+    return cascade is not None and cascade.half_width < WORTHWHILE * larger.half_width
+
+
+def _first_gain(around: Callable[[float], Cascade | None], low: float, high: float, whole: Cascade) -> float:
+    """A depth up to which a square gains over `whole`, nearly the largest: between `low`, which may not, and `high`,
+    which does not."""
+    for _ in range(BISECTIONS):
+        middle = math.sqrt(low * high)
+        if _gains(around(middle), whole):
+            low = middle
+        else:
+            high = middle
+    return low
 
 
 def _around(

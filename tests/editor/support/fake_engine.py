@@ -121,6 +121,9 @@ class FakeRuntime:
         left_out = [SimpleNamespace(name="shadows", reason="no light casts any", saved="1 pass")]
         return SimpleNamespace(color=Picture(pixels), stats=stats, graph=SimpleNamespace(left_out=left_out))
 
+    def add_nodes(self, nodes: list[Any], base: Path, parent: int = -1) -> Any:
+        raise NotImplementedError("the fake engine loads no files")
+
     def pick(self, view: Any, x: float, y: float) -> int:
         return self.picked
 

@@ -22,6 +22,7 @@ def real_session(recovery: Path | None = None) -> Session:
 
 def opened(session: Session, path: Path) -> Any:
     """Open `path` and return its document. What kept it from opening is raised."""
+    session.failure = None
     session.open(path)
     settle(session)
     if session.failure is not None:

@@ -27,6 +27,10 @@ from engine.report.image import save_png
 PATIENCE = 30.0
 
 
+#: seconds after which the test engine ends a run: a busy machine is slow
+WATCHDOG = 600.0
+
+
 class WindowRun:
     """`shots`: names of the screenshots, in order; they lie in `folder` as NN-name.png. `error`: what went wrong."""
 
@@ -56,6 +60,7 @@ class WindowRun:
 
         def guarded(ctx: Any) -> None:
             self.ctx = ctx
+            ctx.engine_io.config_watchdog_warning = ctx.engine_io.config_watchdog_kill_test = WATCHDOG
             try:
                 steps(self)
             except BaseException:  # an exception must not unwind into the engine's coroutine

@@ -67,6 +67,25 @@ def steps(run: WindowRun, seen: dict[str, Any]) -> None:
     run.shot("moved")
     session.undo()
     seen["back"] = (root / "scenes/boxes.red.material.toml").is_file()
+    document = session.document
+    document.select(list(document.runtime.scene.nodes.name).index("cube"))
+    run.do(lambda: run.app.ui.operations.run("prefab.make", session))
+    place = {"path": root / "prefabs/cube.scene.json", "at": (1.4, 0.4, 0.6)}
+    run.do(lambda: run.app.ui.operations.run("prefab.place", session, **place))
+    session.frame_all()
+    run.ctx.yield_(8)
+    run.shot("prefab")
+    inner = document.subtree(document.primary)[1]
+    session.edit("nodes", "scale", (inner,), ((0.4, 0.4, 0.4),), label="Scale the second")
+    document.select(inner)
+    run.ctx.yield_(4)
+    seen["own"] = run.app.ui.operations.run("prefab.apply", session)
+    run.ctx.yield_(8)
+    run.shot("applied")
+    nodes = document.runtime.scene.nodes
+    seen["scales"] = [round(float(nodes.scale[r][0]), 3) for r in range(len(nodes.name)) if nodes.name[r] == "cube"]
+    seen["drawn"] = int(document.runtime.scene.instances.drawn.sum())
+    seen["prefab_error"] = session.ui.error_bar
 
 
 def _sidecar(source: Path) -> str:

@@ -237,7 +237,7 @@ class MaterialsRun:
             session.undo()
 
     def reload(self) -> None:
-        """An edited effect reaches the preview and the thumbnails; a broken one leaves the last picture, with a word."""
+        """An edited effect reaches the preview and the thumbnails; a broken one leaves the last picture."""
         run, session = self.run, self.session
         assert session.document is not None
         file = self.scene.parent / "effects" / "moss.effect.toml"

@@ -1,0 +1,425 @@
+"""Prefabs in the editor: made of a selection, placed, shown for what they have of their own, reverted, applied, and
+brought up to date when their file changes. Each is one undoable entry. No imgui."""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from editor import replacing, saving
+from editor.commands import structure
+from editor.commands.replacement import settled
+from engine.assets.prefab import (
+    FIELDS,
+    NODE,
+    ROOT,
+    changed_fields,
+    file_of,
+    instance_nodes,
+    keys_of,
+    load_prefab,
+    map_files,
+    members,
+)
+from engine.assets.scene import NodeAsset, SceneAsset
+from engine.assets.scene_json import format_scene, read_scene, write_scene
+from engine.core.errors import InputError, LucarnaError
+from engine.core.paths import user_cache_dir
+from engine.math import transform
+from engine.scene.convert import parents_first
+
+if TYPE_CHECKING:
+    from editor.document import Document
+    from editor.session import Session
+
+#: seconds between two looks at the files of prefabs
+LOOK = 0.5
+SUFFIX = ".scene.json"
+
+
+# --- looking ---
+
+
+def root_of(document: Document, row: int) -> int:
+    """The row of the instance that node `row` is, or lies in; -1 where it is none."""
+    scene = document.runtime.scene
+    found = -1
+    while row >= 0:
+        source = scene.sources.get(row)
+        if source is not None and file_of(source) and NODE not in source.extras:
+            found = row
+        row = int(scene.nodes.parent[row])
+    return found
+
+
+def path_of(document: Document, row: int) -> Path | None:
+    """The prefab of the instance at `row`."""
+    source = document.runtime.scene.sources.get(row)
+    if source is None or not file_of(source):
+        return None
+    return (document.scene_path.parent / file_of(source)).resolve()
+
+
+def own_values(document: Document, row: int) -> tuple[dict[str, list[str]], list[str]]:
+    """What the instance at `row` has of its own: (node -> fields, nodes that it lacks)."""
+    path = path_of(document, row)
+    asset = saving.edited_scene(document.runtime, document.overrides)
+    saving.know_prefabs(document, asset)
+    prefab = next((nodes for p, nodes in document.prefabs.items() if p.resolve() == path), None)
+    if prefab is None:
+        return {}, []
+    return changed_fields(asset, _index_of(document, row), prefab)
+
+
+def _index_of(document: Document, row: int) -> int:
+    """Where `row` is among the nodes of the edited scene."""
+    scene = document.runtime.scene
+    if saving.is_restructured(scene, document.runtime.asset):
+        return parents_first(scene).index(row)
+    return int(np.flatnonzero(scene.row_of_node == row)[0])
+
+
+# --- placing and making ---
+
+
+def place(session: Session, path: Path, matrix: ArrayLike | None = None) -> bool:
+    """Put an instance of the scene file `path` at world_from_local `matrix` (None: where the camera looks); a source is
+    converted into the project first. False where it was refused."""
+    document = session.document
+    if document is None:
+        return False
+    try:
+        path = _as_scene(session, document, path.absolute())
+        _refuse_circle(document, path)
+        nodes = instance_nodes(path, document.scene_path.parent)
+        if matrix is None:
+            matrix = np.eye(4)
+            matrix[:3, 3] = session.camera.target
+        rows = _add(document, nodes, path, np.asarray(matrix, np.float64))
+    except LucarnaError as error:
+        session.fail(error)
+        return False
+    document.selection = rows
+    session.ui.notice = f"Placed {path.name}"
+    return True
+
+
+def _add(document: Document, nodes: list[NodeAsset], path: Path, matrix: np.ndarray[Any, Any]) -> tuple[int, ...]:
+    scene, folder = document.runtime.scene, document.scene_path.parent
+    name = structure.unique_name(nodes[0].name, set(scene.nodes.name))
+    nodes = [replace(nodes[0], name=name), *nodes[1:]]
+    meshes = dict.fromkeys(n.mesh.file for n in nodes if n.mesh is not None)
+    materials = dict.fromkeys(m for n in nodes if n.mesh is not None for m in n.mesh.materials if m)
+    loads = [(folder / f).resolve() for f in (*meshes, *materials)]
+
+    def make() -> list[int]:
+        rows = document.runtime.add_nodes(nodes, folder)
+        scene.nodes.set_matrix(int(rows[0]), matrix)
+        return [int(rows[0])]
+
+    structure.change(document, f"Place {name}", make, loads)
+    document.prefabs[path] = instance_nodes(path, folder)
+    return document.selection
+
+
+def _as_scene(session: Session, document: Document, path: Path) -> Path:
+    """The scene file of `path`; a source is converted into `prefabs/` of the project, or beside the scene."""
+    if path.name.lower().endswith(SUFFIX):
+        return path
+    from importers.convert import convert
+    from importers.naming import safe_name
+    from importers.presets import resolve
+
+    out = _folder(document) / "prefabs" / safe_name(path.stem)
+    result = convert(path, out, resolve(path).settings)
+    session.messages.findings(result.findings)
+    assert result.scene is not None
+    return result.scene
+
+
+def _folder(document: Document) -> Path:
+    """Where prefabs of the document belong: in its project, else beside what was opened."""
+    if document.project_root is not None:
+        return document.project_root
+    from importers.project.references import project_root
+
+    return project_root(document.saved_to or document.source)
+
+
+def _refuse_circle(document: Document, path: Path) -> None:
+    """Raise InputError where the document's own scene would come to stand in itself."""
+    own = {p.resolve() for p in (document.scene_path, document.saved_to, document.source) if p is not None}
+    if path.resolve() in own:
+        raise InputError("a scene cannot stand in itself", where=path, hint="place another one, or duplicate the nodes")
+    for each in own:
+        load_prefab(path, (each,))
+
+
+def make(session: Session, target: Path | None = None) -> bool:
+    """Write the selection as a prefab of its own, and put an instance in its place. Undo brings the nodes back; the
+    file stays."""
+    document = session.document
+    if document is None or not document.selection:
+        return False
+    heads = structure.tops(document, document.selection)
+    name = str(document.runtime.scene.nodes.name[heads[0]]) if len(heads) == 1 else "Group"
+    try:
+        from importers.naming import safe_name
+
+        if any(root_of(document, row) >= 0 and root_of(document, row) != row for row in heads):
+            raise InputError("a part of an instance is selected", hint="select the whole instance, or apply it first")
+        target = (target or _free(_folder(document) / "prefabs" / f"{safe_name(name)}{SUFFIX}")).absolute()
+        if not target.name.endswith(SUFFIX):
+            raise InputError("a prefab's name ends with .scene.json", where=target)
+        if target.exists():
+            raise InputError("there is a file of this name already", where=target, hint="choose another name")
+        before = len(document.history.entries)
+        structure.change(document, f"Make the prefab {name}", lambda: [_wrap(document, heads, name, target)])
+        try:
+            _write(document, document.selection[0], target)
+        except LucarnaError:
+            document.history.go_to(before)
+            raise
+    except LucarnaError as error:
+        session.fail(error)
+        return False
+    document.prefabs[target] = instance_nodes(target, document.scene_path.parent)
+    session.ui.notice = f"{target.name} is a prefab now"
+    session.messages.info(f"Made the prefab {target.name}", where=str(target))
+    return True
+
+
+def _free(path: Path) -> Path:
+    stem, number = path.name.removesuffix(SUFFIX), 1
+    while path.exists():
+        number += 1
+        path = path.with_name(f"{stem} {number}{SUFFIX}")
+    return path
+
+
+def _wrap(document: Document, heads: Sequence[int], name: str, target: Path) -> int:
+    """Hang `heads` below a new node that is the instance, and mark what is in it. For use within structure.change."""
+    scene = document.runtime.scene
+    nodes = scene.nodes
+    parent = int(nodes.parent[heads[0]])
+    world = np.eye(4)
+    if len(heads) == 1:
+        world = nodes.world_matrix(heads[0])
+    else:
+        world[:3, 3] = np.mean([nodes.world_matrix(r)[:3, 3] for r in heads], axis=0)
+    above = nodes.world_matrix(parent) if parent >= 0 else np.eye(4)
+    local = transform.inverse_affine(above) @ world
+    root = int(nodes.add(structure.unique_name(name, set(nodes.name)), parent, matrix=local))
+    scene.update()
+    for row in heads:
+        structure.hang(document, row, root)
+    rows = [r for r in document.subtree(root) if r != root]
+    number = {row: i for i, row in enumerate(rows)}
+    plain = [NodeAsset(str(nodes.name[r]), number.get(int(nodes.parent[r]), -1)) for r in rows]
+    for row, key in zip(rows, keys_of(plain), strict=True):
+        source = scene.sources.get(row) or NodeAsset(str(nodes.name[row]))
+        scene.sources[row] = replace(source, extras={**source.extras, NODE: key})
+    said = {"file": saving.relative(target, document.scene_path.parent), "changed": {}, "removed": []}
+    scene.sources[root] = NodeAsset(name, extras={ROOT: said})
+    return root
+
+
+def _write(document: Document, root: int, target: Path) -> None:
+    """Write what the instance at row `root` holds as the prefab `target`, with what it needs where that lies in the
+    cache, which may be emptied."""
+    asset = saving.current_scene(document)
+    index = _index_of(document, root)
+    inside = members(asset, index)
+    folder = document.scene_path.resolve().parent
+    part = SceneAsset(target.name.removesuffix(SUFFIX), _cut(asset, index, inside))
+    target.parent.mkdir(parents=True, exist_ok=True)
+    if folder.is_relative_to(user_cache_dir().resolve()):
+        saving.copy_references(part, folder, target.parent)
+    part.nodes = [map_files(n, lambda text: saving.moved_reference(text, folder, target.parent)) for n in part.nodes]
+    write_scene(target, part)
+
+
+def _cut(asset: SceneAsset, root: int, inside: Sequence[int]) -> list[NodeAsset]:
+    """The nodes `inside`, on their own: those that hung below `root` are tops."""
+    number = {old: new for new, old in enumerate(inside)}
+    nodes = []
+    for old in inside:
+        node = asset.nodes[old]
+        extras = {k: v for k, v in node.extras.items() if k != NODE}
+        joints = [number[j] for j in node.joints] if all(j in number for j in node.joints) else []
+        parent = number.get(node.parent, -1) if node.parent != root else -1
+        nodes.append(replace(node, parent=parent, joints=joints, extras=extras, clip_node=None, placed=False))
+    return nodes
+
+
+# --- bringing up to date ---
+
+
+def revert(session: Session) -> bool:
+    """Give the selected instance back what its prefab says, but for its own place."""
+    found = _selected(session)
+    if found is None:
+        return False
+    document, row, path = found
+    asset = saving.current_scene(document)
+    index = _index_of(document, row)
+    said: Any = asset.nodes[index].extras[ROOT]
+    extras = {**asset.nodes[index].extras, ROOT: {**said, "changed": {}, "removed": []}}
+    asset.nodes[index] = replace(asset.nodes[index], extras=extras)
+    return _reopen(session, document, asset, f"Revert {path.name}")
+
+
+def apply(session: Session) -> bool:
+    """Write what the selected instance has of its own into its prefab; all other instances follow."""
+    found = _selected(session)
+    if found is None:
+        return False
+    document, row, path = found
+    changed, removed = own_values(document, row)
+    if not changed and not removed:
+        session.ui.notice = "This instance has nothing of its own"
+        return True
+    try:
+        before = path.read_text("utf-8")
+        prefab = read_scene(path)
+        asset = saving.current_scene(document)
+        index = _index_of(document, row)
+        mine = {str(asset.nodes[i].extras[NODE]): asset.nodes[i] for i in members(asset, index)}
+        folder = document.scene_path.resolve().parent
+        keys = keys_of(prefab.nodes)
+        for number, key in enumerate(keys):
+            if key in changed:
+                own = map_files(mine[key], lambda text: saving.moved_reference(text, folder, path.parent))
+                values = {n: getattr(own, n) for field in changed[key] for n in FIELDS[field]}
+                prefab.nodes[number] = replace(prefab.nodes[number], **values)
+        unknown = sorted(set(changed) - set(keys))
+        prefab = without(prefab, [i for i, key in enumerate(keys) if key in removed])
+        after = format_scene(prefab, str(path))
+    except (LucarnaError, OSError) as error:
+        session.fail(error if isinstance(error, LucarnaError) else InputError(str(error), where=path))
+        return False
+    if unknown:
+        session.messages.warn(
+            f"Of prefabs within the prefab nothing was applied: {', '.join(unknown)}", where=str(path)
+        )
+    said: Any = asset.nodes[index].extras[ROOT]
+    left = {k: v for k, v in changed.items() if k in unknown}
+    extras = {**asset.nodes[index].extras, ROOT: {**said, "changed": left, "removed": []}}
+    asset.nodes[index] = replace(asset.nodes[index], extras=extras)
+    steps = settled(after, path), settled(before, path)
+    return _reopen(session, document, asset, f"Apply to {path.name}", steps)
+
+
+def without(asset: SceneAsset, lost: Sequence[int]) -> SceneAsset:
+    """`asset` without the nodes `lost` and what is below them."""
+    gone = set(lost)
+    for index, node in enumerate(asset.nodes):
+        if node.parent in gone:
+            gone.add(index)
+    order = [i for i in range(len(asset.nodes)) if i not in gone]
+    number = {old: new for new, old in enumerate(order)}
+    nodes = [
+        replace(n, parent=number.get(n.parent, -1), joints=[number[j] for j in n.joints if j in number])
+        for n in (asset.nodes[i] for i in order)
+    ]
+    return replace(asset, nodes=nodes, active_camera=number.get(asset.active_camera, -1))
+
+
+def _selected(session: Session) -> tuple[Document, int, Path] | None:
+    document = session.document
+    row = root_of(document, document.primary) if document is not None and document.primary >= 0 else -1
+    path = path_of(document, row) if document is not None and row >= 0 else None
+    if document is None or path is None:
+        session.ui.notice = "Select an instance of a prefab"
+        return None
+    return document, row, path
+
+
+def is_instance(session: Session) -> bool:
+    document = session.document
+    return document is not None and document.primary >= 0 and root_of(document, document.primary) >= 0
+
+
+def poll(session: Session) -> None:
+    """Once a frame: bring the document in front up to date with prefabs whose files changed."""
+    from editor.reimporting import stamp_of
+
+    document, now = session.document, time.monotonic()
+    if document is None or not document.prefabs or now < session.prefabs_at or session.interacting:
+        return
+    session.prefabs_at = now + LOOK
+    stamps = {path: stamp_of(path) for path in document.prefabs}
+    if stamps == document.prefab_stamps:
+        return
+    document.prefab_stamps = stamps
+    changed = []
+    for path in document.prefabs:
+        try:
+            if instance_nodes(path, document.scene_path.parent) != document.prefabs[path]:
+                changed.append(path)
+        except LucarnaError as error:
+            if str(error) not in document.noted:
+                document.noted.add(str(error))
+                session.messages.error(error)
+    if changed:
+        names = ", ".join(p.name for p in changed)
+        _reopen(
+            session, document, saving.current_scene(document), f"Prefab {names} changed", of_view=not document.dirty
+        )
+
+
+def _reopen(
+    session: Session, document: Document, asset: SceneAsset, label: str,
+    steps: tuple[Callable[[], None], Callable[[], None]] | None = None, *, of_view: bool = False,
+) -> bool:  # fmt: skip
+    """Open `asset`, the document as it shall be, in its place; the instances in it come up to date as it is read."""
+    from editor.reimporting import last_import, once, origin_of
+    from importers.reimport.merging import rebased
+    from importers.reimport.record import Imported, write_record
+
+    root = user_cache_dir() / "merged"
+    folder = document.scene_path.resolve().parent
+    out: Path | None = None
+    try:
+        root.mkdir(parents=True, exist_ok=True)
+        out = Path(tempfile.mkdtemp(dir=root))
+        scene = out / document.scene_path.name
+        write_scene(scene, rebased(asset, folder, out, known=set()))
+        last = last_import(document)
+        if last is not None:
+            keys = origin_of(document, last)
+            write_record(scene, Imported(last.source, last.digest, last.scene, last.materials, keys, last.orphans))
+        if steps is not None:
+            steps[0]()
+        try:
+            saved_to = document.saved_to
+            if saved_to is None and not folder.is_relative_to(user_cache_dir().resolve()):
+                saved_to = document.scene_path
+            replacing.replace_scene(
+                session, document, scene, label, findings=document.findings, of_view=of_view, saved_to=saved_to,
+                steps=once(steps) if steps is not None else (_nothing, _nothing),
+                materials=replacing.unsaved_materials(document),
+            )  # fmt: skip
+        except LucarnaError:
+            if steps is not None:
+                steps[1]()
+            raise
+    except (LucarnaError, OSError) as error:
+        if out is not None:
+            shutil.rmtree(out, ignore_errors=True)
+        session.fail(error if isinstance(error, LucarnaError) else InputError(str(error), where=root))
+        return False
+    session.ui.notice = label
+    return True
+
+
+def _nothing() -> None:
+    pass

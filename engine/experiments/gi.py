@@ -1,0 +1,209 @@
+"""Light between surfaces against a path tracer: how it is gathered, from how many places, at which size; bounces.
+
+Two problems for each scene: light that was reflected once (the truth's paths end at the second surface), and five
+times. The picture is scene-linear, and all of it counts: what shadows and the environment's light are wrong by is in every
+row, also in the one that is off. The spiral is the gather of the thesis (50 places on 19 turns, in its right form).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Iterator, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.core.errors import LucarnaError
+from engine.experiments.harness.context import Context, OpenScene
+from engine.experiments.harness.experiment import Experiment, Knobs, Outcome, Trial
+from engine.experiments.harness.pictures import beside_truth
+from engine.experiments.harness.pixel_truth import radiance, redrawn
+from engine.experiments.harness.scenes import MADE, open_scene, own_or, short
+from engine.math.color import linear_to_srgb, to_u1
+from engine.render.settings import RenderSettings
+from engine.render.view import View
+from engine.report.metrics import rel_mse
+from engine.report.perceptual import flip
+from engine.report.records import Extreme, Floor, Point, Table
+
+F8 = NDArray[np.float64]
+
+SCENES = [MADE + name for name in ("box", "atrium")]
+#: name -> (surfaces that the truth's paths may meet, our settings)
+BOUNCES: dict[str, tuple[int, dict[str, Any]]] = {
+    "one": (2, {"gi": "one"}), "many": (6, {"gi": "many", "gi_bounces": 5}),
+}  # fmt: skip
+THESIS = {"method": "spiral, thesis", "steps": 50}
+#: method -> settings
+METHODS: dict[str, dict[str, Any]] = {
+    "off": {"gi": "off"},
+    "slices": {"gi_half": False},
+    "slices, half size": {"gi_half": True},
+    "slices, one layer": {"gi_half": True, "gi_layers": 1},
+    "slices, unseen as seen": {"gi_half": True, "gi_unseen": "seen"},
+    "spiral, thesis": {"gi_half": False, "gi_method": "spiral"},
+    "spiral, half size": {"gi_half": True, "gi_method": "spiral"},
+}
+STEPS: dict[str, tuple[int, ...]] = {
+    "off": (0,), "slices": (4, 8, 16, 32), "slices, half size": (4, 8, 16, 32), "slices, one layer": (16,),
+    "slices, unseen as seen": (16,), "spiral, thesis": (12, 25, 50, 100), "spiral, half size": (25, 50),
+}  # fmt: skip
+DEFAULT = {"method": "slices, half size", "steps": 16}
+
+
+def size(ctx: Context) -> tuple[int, int, int]:
+    """Width, height, paths for each pixel."""
+    return (72, 72, 96) if ctx.quick else (144, 96, 256)
+
+
+def scenes(ctx: Context) -> list[str]:
+    return own_or(ctx, SCENES[:1] if ctx.quick else SCENES)
+
+
+def knobs(ctx: Context) -> list[dict[str, Any]]:
+    found: list[dict[str, Any]] = []
+    for name in scenes(ctx):
+        for bounces in ("one",) if ctx.quick else BOUNCES:
+            problem = {"scene": name, "bounces": bounces, "problem": f"{short(name)}, {bounces}"}
+            for method, steps in STEPS.items():
+                few = [s for s in steps if s in (0, 16, 50)] if ctx.quick else steps
+                found += [{**problem, "method": method, "steps": step} for step in few]
+    return found
+
+
+def settings(chosen: Knobs) -> RenderSettings:
+    """Scene-linear light alone."""
+    steps = {"gi_steps": int(chosen["steps"])} if chosen["steps"] else {}
+    how = {**BOUNCES[str(chosen["bounces"])][1], **METHODS[str(chosen["method"])], **steps}
+    return RenderSettings(samples=1, background="color", tone_map="none", local_shadows="all", **how)
+
+
+def view(ctx: Context, scene: OpenScene, chosen: Knobs) -> View:
+    width, height, _ = size(ctx)
+    return View(scene.camera(width / height), width, height, settings(chosen))
+
+
+def prepare(ctx: Context) -> Generator[tuple[float, str], None, None]:
+    """Path trace every scene, once for each number of bounces."""
+    from engine.experiments.truth import reference
+    from engine.experiments.truth.path_tracer import Settings
+    from engine.experiments.truth.traced_scene import traced
+
+    width, height, paths = size(ctx)
+    problems = list(dict.fromkeys((str(k["scene"]), str(k["bounces"])) for k in knobs(ctx)))
+    for i, (name, bounces) in enumerate(problems):
+        try:
+            scene = open_scene(ctx, name)
+        except LucarnaError as error:
+            ctx.scratch[name, bounces] = error
+            continue
+        try:
+            off = {"scene": name, "bounces": bounces, "method": "off", "steps": 0}
+            world, camera = traced(scene, settings(off)), scene.camera(width / height)
+            how = Settings(paths, BOUNCES[bounces][0], seed=ctx.seed)
+            steps = reference.picture(ctx, f"gi-{short(name)}-{bounces}", world, camera, width, height, how)
+            while True:
+                try:
+                    done, text = next(steps)
+                except StopIteration as stop:
+                    ctx.scratch[name, bounces] = stop.value
+                    break
+                yield (i + done) / len(problems), text
+        except LucarnaError as error:
+            ctx.scratch[name, bounces] = error
+        finally:
+            scene.close()
+
+
+def run(ctx: Context, chosen: Knobs) -> Trial:
+    film = ctx.scratch[chosen["scene"], chosen["bounces"]]
+    if isinstance(film, LucarnaError):
+        raise film
+    scene = open_scene(ctx, str(chosen["scene"]))
+    return redrawn(ctx, scene, view(ctx, scene, chosen), lambda: judge(ctx, scene, chosen, film.mean))
+
+
+def judge(ctx: Context, scene: OpenScene, chosen: Knobs, truth: F8) -> Outcome:
+    ours = radiance(scene, view(ctx, scene, chosen)).reshape(truth.shape)
+    shown = [to_u1(linear_to_srgb(np.clip(p, 0.0, 1.0))) for p in (ours, truth)]
+    error = {
+        "rmse": float(np.sqrt(np.mean((ours - truth) ** 2))), "rel_mse": rel_mse(ours, truth),
+        "bias": float(np.mean(ours - truth)), "energy": float(ours.mean() / max(truth.mean(), 1e-12)),
+        "flip": flip(*shown)[0],
+    }  # fmt: skip
+    rows = []
+    if chosen["method"] == "off" or chosen["steps"] in (DEFAULT["steps"], THESIS["steps"]):
+        label = f"{chosen['problem']}: {chosen['method']}"
+        rows = beside_truth(ctx, label, shown[0], "path traced", shown[1])
+    return Outcome(error, pictures=rows)
+
+
+def noise_floor(ctx: Context) -> Floor | None:
+    films = [film for film in ctx.scratch.values() if hasattr(film, "halves")]
+    return Floor(max(film.noise for film in films), "the path tracer's noise") if films else None
+
+
+def tables(ctx: Context, points: Sequence[Point]) -> list[Table]:
+    """What switching it on costs and removes, and the default beside the thesis's gather."""
+    rows = []
+    for problem in dict.fromkeys(str(p.knobs["problem"]) for p in points):
+        of = {(str(p.knobs["method"]), int(p.knobs["steps"])): p for p in points if p.knobs["problem"] == problem}
+        for title, key in (
+            ("off", ("off", 0)), ("default", (DEFAULT["method"], DEFAULT["steps"])),
+            ("thesis", (THESIS["method"], THESIS["steps"])),
+        ):  # fmt: skip
+            point = of.get((str(key[0]), int(str(key[1]))))
+            if point is None or point.ms is None:
+                continue
+            e = point.error
+            rows.append([
+                problem, title, f"{point.ms.median:.3g}", f"{e['rmse']:.3g}", f"{e['flip']:.3g}", f"{e['energy']:.3g}",
+            ])  # fmt: skip
+    return [
+        Table(
+            "On, off, and the thesis's 50 places", ["problem", "what", "ms", "rmse", "FLIP", "energy"], rows,
+            "Whole frames. Energy: all light of the picture over that of the truth.",
+        )
+    ]  # fmt: skip
+
+
+def extremes(ctx: Context) -> Iterator[Extreme]:
+    """A lamp goes out while pictures follow one another: frames until a hundredth of its light is left."""
+    scene = open_scene(ctx, SCENES[0])
+    try:
+        for smooth in (False, True):
+            how = RenderSettings(samples=1, gi="many", gi_smooth=smooth, tone_map="none")
+            seen = View(scene.camera(1.0), 48, 48, how, seconds=1.0 / 60.0)
+            scene.scene.lights.set(0, intensity=3.0)
+            before = max(float(radiance(scene, seen).mean()) for _ in range(12))
+            scene.scene.lights.set(0, intensity=0.0)
+            left = [float(radiance(scene, seen).mean()) for _ in range(24)]
+            lag = next((i for i, light in enumerate(left) if light < 0.01 * before), len(left))
+            what = f"a lamp goes out, {'mixed with frames before' if smooth else 'each frame anew'}"
+            yield Extreme(what, f"{lag} frames to 1 %", lag <= 16)
+    finally:
+        scene.close()
+
+
+EXPERIMENT = Experiment(
+    title="Light between surfaces against a path tracer",
+    method="gathered from one or two layers of what the camera sees, in slices or on a spiral; whole frame",
+    truth="path tracing on embree with the same surfaces and lights, to the same number of bounces",
+    metric="rmse",
+    unit="scene-linear radiance",
+    knobs=knobs,
+    default=DEFAULT,
+    curve="method",
+    problem="problem",
+    run=run,
+    prepare=prepare,
+    extremes=extremes,
+    tables=tables,
+    needs=frozenset({"gpu", "rays"}),
+    own_scene=True,
+    timed="gpu",
+    noise_floor=noise_floor,
+    time_label="median frame time",
+    note="No order is expected: places outside of the picture, and backs of what is seen, are not known however many"
+    " places are looked at.",
+)

@@ -1,0 +1,53 @@
+"""Smooth surfaces mirror what the layers of the deep G-buffer show; where they show nothing, the environment."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+from engine.framegraph.builder import Builder
+from engine.framegraph.passes import WHOLE_PICTURE, Pass, PassContext
+from engine.render.facts import SceneFacts
+from engine.render.frame import DEPTH_UNIT, REFLECTION_UNIT, RenderFrame
+from engine.render.gi.block import block_of
+from engine.render.gi.gather import LIGHTS, NEAR_FAR, SENT, SHAPES, SIDES, dispatch, levels_of, sent_inputs
+
+#: rgba16f, as large as the layers: radiance, how sure it is
+REFLECTIONS = "reflections"
+#: unit of layer 0's matter in reflections.comp
+MATTER_UNIT = 21
+
+
+class ReflectionsPass(Pass):
+    name: ClassVar[str] = "reflections"
+    reach: ClassVar[int | None] = WHOLE_PICTURE
+
+    def needs(self, facts: SceneFacts) -> bool | str:
+        if facts.indirect.wanted and not facts.indirect.reflections:
+            return "reflections are off"
+        return True if facts.indirect.wanted else facts.indirect.why_not
+
+    def declare(self, b: Builder) -> None:
+        for name in (NEAR_FAR, SIDES, *SENT[: b.facts.indirect.layers], SHAPES[0], LIGHTS[0]):
+            b.read(name)
+        b.create(REFLECTIONS, "rgba16f", scale=1.0 / b.facts.indirect.stride)
+
+    def execute(self, ctx: PassContext) -> None:
+        frame: RenderFrame = ctx.frame
+        quality, point, out = frame.facts.indirect, frame.point_sampler, ctx.texture(REFLECTIONS)
+        inputs = {
+            **sent_inputs(ctx, quality.layers), DEPTH_UNIT: (ctx.texture(SHAPES[0]), point),
+            MATTER_UNIT: (ctx.texture(LIGHTS[0]), point),
+        }  # fmt: skip
+        defines = {
+            "STEPS": quality.reflection_steps, "LAYERS": quality.layers,
+            "LEVELS": levels_of(out.desc.width, out.desc.height),
+        }  # fmt: skip
+        dispatch(ctx, "reflections.comp", defines, inputs, {1: (out, 0, "write")}, block_of(frame))
+
+
+def reflection_inputs(ctx: PassContext) -> dict[int, Any]:
+    """The mirrored light for surface shaders, by texture unit; nothing where the frame has none."""
+    if not ctx.has(REFLECTIONS):
+        return {}
+    frame: RenderFrame = ctx.frame
+    return {REFLECTION_UNIT: (ctx.texture(REFLECTIONS), frame.point_sampler)}

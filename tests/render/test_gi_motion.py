@@ -1,0 +1,128 @@
+"""Light between surfaces while pictures follow one another: bounces add up, lights go out, cuts forget; and mirrors."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+
+from engine.app.headless import render_hdr
+from engine.assets.primitives import card, cube, uv_sphere
+from engine.assets.scene import LightAsset
+from engine.math import quat
+from engine.math.transform import look_at
+from engine.render.camera import Camera
+from engine.render.gi.state import is_cut
+
+pytestmark = pytest.mark.gl
+
+FLAT = quat.from_axis_angle((1.0, 0.0, 0.0), -math.pi / 2)
+MATT = {"metallic": 0.0, "roughness": 1.0, "ior": 1.0, "specular": 0.0}
+
+
+def film(stage, camera: Camera, frames: int, size: tuple[int, int] = (32, 32), **settings) -> list[np.ndarray]:
+    """So many pictures that follow one another, each f8[h,w,3]."""
+    view = stage.view(size, camera, **{"gi": "many", **settings})
+    view.seconds = 1.0 / 60.0
+    return [render_hdr(stage.runtime, view)[0][..., :3].astype(np.float64) for _ in range(frames)]
+
+
+def box(stage, surface) -> Camera:
+    stage.dark()
+    glow = {**MATT, "base_color": (0.5, 0.5, 0.5, 1.0), "emissive": (0.25, 0.25, 0.25)}
+    stage.add(cube(2.0), surface(features=("double_sided",), **glow))
+    return Camera(look_at((0.0, 0.0, 0.95), (0.0, 0.0, 0.0)), 1.6)
+
+
+def lamp(stage, surface) -> Camera:
+    stage.dark()
+    stage.add(card(3.0), surface(**MATT, base_color=(0.8, 0.3, 0.2, 1.0)), rotation=FLAT)
+    stage.add(uv_sphere(0.4, 12, 24), surface(**MATT, base_color=(0.6, 0.6, 0.6, 1.0)), (0.0, 0.4, 0.0))
+    stage.lamp(LightAsset("point", intensity=4.0), (0.8, 1.2, 0.8))
+    return Camera(look_at((0.0, 1.0, 2.4), (0.0, 0.3, 0.0)), 0.7)
+
+
+def test_a_bounce_is_added_each_frame(stage, surface) -> None:
+    camera = box(stage, surface)
+    whole = {"gi_unseen": "seen", "gi_radius": 10.0, "gi_smooth": False, "gi_half": False}
+    means = [picture.mean() for picture in film(stage, camera, 12, **whole)]
+    assert means[0] == pytest.approx(0.375, rel=0.02)  # e (1 + rho)
+    assert means[1] == pytest.approx(0.4375, rel=0.02)  # e (1 + rho + rho^2)
+    assert means[-1] == pytest.approx(0.5, rel=0.02)  # e / (1 - rho)
+
+
+@pytest.mark.parametrize("smooth", [False, True])
+def test_a_light_that_goes_out_is_gone(stage, surface, smooth) -> None:
+    camera = lamp(stage, surface)
+    lit = film(stage, camera, 8, gi_smooth=smooth)[-1]
+    stage.runtime.scene.lights.set(0, intensity=0.0)
+    after = film(stage, camera, 12, gi_smooth=smooth)
+    assert lit.mean() > 0.05
+    assert after[-1].max() < 0.01 * lit.max()
+
+
+def test_a_still_camera_calms_down(stage, surface) -> None:
+    camera = lamp(stage, surface)
+    pictures = film(stage, camera, 20)
+    steps = [np.abs(b - a).mean() for a, b in itertools.pairwise(pictures)]
+    assert steps[-1] < 0.5 * steps[0]
+    still = stage.hdr((32, 32), camera, gi="many", gi_bounces=8)[..., :3]
+    assert np.abs(pictures[-1] - still).mean() < 0.01
+
+
+def test_a_cut_forgets(stage, surface) -> None:
+    camera = lamp(stage, surface)
+    other = Camera(look_at((-2.0, 1.5, -1.5), (0.0, 0.3, 0.0)), 0.7)
+    first = film(stage, other, 1)[0]
+    film(stage, camera, 3)
+    assert is_cut(camera, other, 3.0)
+    assert np.array_equal(film(stage, other, 1)[0], first)
+    moved = Camera(look_at((0.02, 1.0, 2.4), (0.0, 0.3, 0.0)), 0.7)
+    assert not is_cut(camera, moved, 3.0)
+    assert not is_cut(camera, camera, 3.0)
+
+
+def test_a_still_picture_knows_no_frame_before(stage, surface) -> None:
+    camera = lamp(stage, surface)
+    fresh = stage.hdr((32, 32), camera, gi="many")
+    film(stage, camera, 3)
+    assert np.array_equal(stage.hdr((32, 32), camera, gi="many"), fresh)
+
+
+def mirror(stage, surface) -> Camera:
+    """A glowing wall, 1 high, behind a mirror floor."""
+    stage.dark()
+    stage.add(card(4.0), surface(base_color=(1.0, 1.0, 1.0, 1.0), metallic=1.0, roughness=0.0), rotation=FLAT)
+    glow = {**MATT, "base_color": (0.0, 0.0, 0.0, 1.0), "emissive": (0.7, 0.5, 0.3)}
+    stage.add(card(1.0), surface(**glow), (0.0, 0.5, -0.5), (3.0, 1.0, 1.0))
+    return Camera(look_at((0.0, 1.2, 2.6), (0.0, 0.2, 0.0)), 0.8)
+
+
+@pytest.mark.parametrize("half", [False, True])
+def test_a_floor_mirrors_the_wall(stage, surface, half) -> None:
+    """A spot of the floor z before the wall, seen from height e at a distance f, mirrors the wall at z e / f."""
+    camera = mirror(stage, surface)
+    seen = stage.hdr((96, 96), camera, reflections=True, gi_half=half, reflection_steps=64)[..., :3]
+    bare = stage.hdr((96, 96), camera)[..., :3]
+    clip = camera.clip_from_world(1.0)
+    found = []
+    for z in (0.2, 0.5, 0.9, 1.3, 1.6):
+        p = clip @ np.array([0.0, 0.0, z - 0.5, 1.0])
+        y = int((1.0 - p[1] / p[3]) * 48)
+        height = z * 1.2 / (2.6 + 0.5 - z)
+        expected = (0.7, 0.5, 0.3) if height < 1.0 else (0.0, 0.0, 0.0)
+        assert seen[y, 48] == pytest.approx(expected, abs=0.03), z
+        assert (bare[y, 48] < 0.01).all()
+        found.append(height < 1.0)
+    assert len(set(found)) == 2
+
+
+def test_mirrors_alike_in_all_paths(stage, surface) -> None:
+    camera = mirror(stage, surface)
+    stage.lamp(LightAsset("point", intensity=4.0), (0.8, 1.2, 0.8))
+    for settings in ({"reflections": True}, {"reflections": True, "gi": "one"}):
+        truth = stage.hdr((40, 32), camera, path="forward", **settings)
+        for path in ("deferred", "tiled-deferred", "forward-plus"):
+            assert np.array_equal(stage.hdr((40, 32), camera, path=path, **settings), truth), path
