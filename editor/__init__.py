@@ -11,10 +11,16 @@
       |  read the session, call operations, propose edits
       v
     session.py            what the window works on: document, camera, settings, log    (no imgui, no GL)
+      |                   its fields: session_state.py; looking.py: settings, camera, picking; requests.py: for dialogs
+      |-- tabs.py         several documents open at once: what each of those behind keeps; dropping.py: dropped files
       |-- operations.py   named user operations: menu, palette and keys are their doors
       |-- document.py     what is open; every edit is a Command on a table column
       |     |-- commands/ Command, StructureCommand + History: undo, redo, one entry per gesture
       |     '-- journal.py    every edit on disk as it happens; recovering.py restores what a killed session left
+      |-- replacing.py    another scene under a document as one entry (commands/replacement.py), for
+      |     |-- reimporting.py     sources that changed, by importers.reimport; import_settings.py: one-click fixes
+      |     |-- file_moves.py      files of the project moved by importers.project; asset_links.py: who uses which
+      |     '-- prefabs.py         made, placed, reverted, applied, followed when their files change
       |-- tools, gizmo, selecting      move/turn/scale arithmetic, box selection, isolating, measuring
       |-- code/           shader files as text: documents, problems, search, completion
       |-- material_editing, param_groups    materials, one or many: shared parameters, copies, resets, textures

@@ -170,7 +170,7 @@ class App:
 
     def dropped(self, paths: list[Path]) -> None:
         """Files were dropped on the window."""
-        dropping.take(self.ui.session, paths)
+        dropping.take(self.ui.session, paths, add=bool(imgui.get_io().key_ctrl))
 
     # --- the frame ---
 

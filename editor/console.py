@@ -20,7 +20,7 @@ LIMIT = 2000
 
 @dataclass(frozen=True, slots=True)
 class Line:
-    """`kind`: in (what was typed), out, error."""
+    """`kind`: in (what was typed), out, error, did (what was done in the window)."""
 
     kind: str
     text: str
@@ -35,10 +35,12 @@ class Console:
         self.lines: list[Line] = []
         self.entered: list[str] = []
         self.pending: list[str] = []
+        self._logged = operations.logged
         self._interpreter = code.InteractiveInterpreter(self._names())
 
     def push(self, text: str) -> None:
         """Take one line and run it, or the block that it ends. Never raises: what goes wrong is written down."""
+        self.follow()
         self._say("in", text)
         if text.strip():
             self.entered.append(text)
@@ -57,9 +59,17 @@ class Console:
         if not unfinished:
             self.pending.clear()
             self.session.end_gesture()
+        self._logged = self.operations.logged  # what is typed here stands here already
         for kind, written in (("out", out.getvalue()), ("error", problems.getvalue())):
             for line in written.splitlines():
                 self._say(kind, line)
+
+    def follow(self) -> None:
+        """Write down what was done in the window since, as lines that do it again."""
+        new = self.operations.logged - self._logged
+        for line in list(self.operations.log)[len(self.operations.log) - min(new, len(self.operations.log)) :]:
+            self._say("did", line)
+        self._logged = self.operations.logged
 
     def complete(self, word: str) -> list[str]:
         """Names and attributes that begin with `word`, such as `scene().no`; nothing is called to find them."""

@@ -14,6 +14,7 @@ from editor.arguments import REQUIRED, Argument, living_nodes
 from editor.camera_controls import from_matrix
 from editor.editing_operations import reparent
 from editor.operations import Operation, Operations
+from editor.quality import add_quality_operations
 from editor.session import Session
 from editor.tables import FEATURES, QUEUE, TEXTURE, material_values
 from engine.core.errors import LucarnaError, UsageError
@@ -26,6 +27,7 @@ NODE_COLUMNS = ("translation", "rotation", "scale", "visible", "name")
 
 def add_direct_operations(ops: Operations) -> None:
     """Add them all to the registry."""
+    add_quality_operations(ops)
 
     def add(
         id: str, label: str, run: Run, *arguments: Argument, about: str = "",

@@ -1,5 +1,5 @@
-"""What becomes of files dropped on the window: models, scenes and folders open, each in a tab; a panorama lights the
-scene in front. No imgui."""
+"""What becomes of files dropped on the window: models, scenes and folders open, each in a tab, or with Ctrl held are
+placed in the scene in front; a panorama lights that. No imgui."""
 
 from __future__ import annotations
 
@@ -7,15 +7,23 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from editor import prefabs
 from editor.thumbnail_maker import ENVIRONMENTS, sort_of
 
 if TYPE_CHECKING:
     from editor.session import Session
 
 
-def take(session: Session, paths: Sequence[Path]) -> None:
-    """Open what can be opened, in the order given; what cannot is told of in the log, each by name."""
+def take(session: Session, paths: Sequence[Path], *, add: bool = False) -> None:
+    """Open what can be opened, in the order given, or with `add` place models and scenes in the scene in front; what
+    cannot be opened is told of in the log, each by name."""
     environments, openable, rest = sorted_out(session, paths)
+    if add and session.document is not None:
+        for path in [p for p in openable if not p.is_dir() and p.name != "project.toml"]:
+            prefabs.place(session, path)
+        openable = [p for p in openable if p.is_dir() or p.name == "project.toml"]
+        if not (openable or environments or rest):
+            return
     session.queue += [*openable, *environments[:1]]
     go_on(session)
     for path in environments[1:]:

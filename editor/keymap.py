@@ -20,7 +20,7 @@ from engine.core.errors import FormatError, InputError
 SCHEMA = "lucarna.keymap/1"
 MODIFIERS = ("Ctrl", "Shift", "Alt")
 _KEY = re.compile(
-    r"([A-Z0-9]|F([1-9]|1[0-9]|2[0-4])|Keypad[0-9./*+-]|Space|Escape|Home|End|Enter|Delete|Insert|Backspace|Tab|"
+    r"([A-Z0-9]|F([1-9]|1[0-9]|2[0-4])|Keypad[0-9./*-]|Space|Escape|Home|End|Enter|Delete|Insert|Backspace|Tab|"
     r"PageUp|PageDown|Up|Down|Left|Right|[,.=\-\\/;'`\[\]])"
 )
 

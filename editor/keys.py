@@ -17,7 +17,7 @@ _NAMES = {
     "Insert": "insert", "Backspace": "backspace", "Tab": "tab", "Up": "up_arrow", "Down": "down_arrow",
     "Left": "left_arrow", "Right": "right_arrow", "/": "slash", ";": "semicolon", "'": "apostrophe",
     "`": "grave_accent", "[": "left_bracket", "]": "right_bracket",
-    "Keypad.": "keypad_decimal", "Keypad/": "keypad_divide", "Keypad*": "keypad_multiply", "Keypad+": "keypad_add",
+    "Keypad.": "keypad_decimal", "Keypad/": "keypad_divide", "Keypad*": "keypad_multiply",
     "Keypad-": "keypad_subtract",
     "\\": "backslash",
 }  # fmt: skip

@@ -13,7 +13,7 @@ from editor.operations import Operation
 from editor.strings import tr
 from editor.tasks import Task, running
 from editor.ui import Ui
-from editor.widgets import em, text, tooltip
+from editor.widgets import cut, em, text, tooltip
 
 MENUS = ("File", "Edit", "Add", "View", "Compare", "Playback", "Shaders", "Window", "Help")
 
@@ -134,13 +134,22 @@ def draw_status_bar(ui: Ui) -> None:
         held = {name for name, down in (("ctrl", io.key_ctrl), ("shift", io.key_shift), ("alt", io.key_alt)) if down}
         tools = session.tools
         now = live_hints(session.preferences.keymap, held, tool=tools.mode, flying=ui.flying, measuring=tools.measuring)
-        text("     ".join(f"{tr(gesture)}: {tr(what).lower()}" for gesture, what in now), theme.FAINT)
+        line = "     ".join(f"{tr(gesture)}: {tr(what).lower()}" for gesture, what in now)
+        device = imgui.calc_text_size(_device_line(ui)).x + em(3)
+        text(cut(line, max(imgui.get_content_region_avail().x - device, em(4))), theme.FAINT)
     else:
         text("Ready" if not shown else "", theme.FAINT)
-    if session.device is not None:
+    line = _device_line(ui)
+    if line:
         caps = session.device.caps
-        device = caps.device.split("(")[0].strip()
-        line = f"{device}{' (software)' if caps.software else ''}"
         imgui.same_line(imgui.get_window_width() - imgui.calc_text_size(line).x - em(1.0))
         text(line, theme.WARNING if caps.software else theme.FAINT)
         tooltip(f"{caps.device}\n{caps.version}")
+
+
+def _device_line(ui: Ui) -> str:
+    """What draws, in a few words; '' before there is a device."""
+    if ui.session.device is None:
+        return ""
+    caps = ui.session.device.caps
+    return f"{caps.device.split('(')[0].strip()}{' (software)' if caps.software else ''}"

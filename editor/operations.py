@@ -16,6 +16,7 @@ from typing import Any
 from editor import scripting
 from editor.arguments import Argument, checked
 from editor.session import Session
+from editor.strings import tr
 from engine.core.errors import UsageError
 
 #: how many lines of what was done are kept
@@ -133,10 +134,13 @@ class Operations:
         return [o for o in self if o.menu == name]
 
     def search(self, text: str, session: Session) -> list[Operation]:
-        """Enabled operations whose menu and label hold the letters of `text` in order, best match first."""
+        """Enabled operations whose menu and label, in English or as shown, or whose id hold the letters of `text` in
+        order, best match first."""
         scored = []
         for operation in self:
-            score = match_score(text, f"{operation.menu} {operation.label}".strip())
+            labels = {f"{operation.menu} {operation.label}", f"{tr(operation.menu)} {tr(operation.label)}", operation.id}
+            scores = [match_score(text, label.strip()) for label in labels]
+            score = min((s for s in scores if s is not None), default=None)
             if score is not None and operation.enabled(session):
                 scored.append((score, operation.label, operation))
         return [operation for _score, _label, operation in sorted(scored, key=lambda s: s[:2])]

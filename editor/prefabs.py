@@ -103,7 +103,8 @@ def place(session: Session, path: Path, matrix: ArrayLike | None = None) -> bool
         if matrix is None:
             matrix = np.eye(4)
             matrix[:3, 3] = session.camera.target
-        rows = _add(document, nodes, path, np.asarray(matrix, np.float64))
+        with session.device_frame():
+            rows = _add(document, nodes, path, np.asarray(matrix, np.float64))
     except LucarnaError as error:
         session.fail(error)
         return False

@@ -107,7 +107,7 @@ def prefabs_of(runtime: Any, scene: Path) -> dict[Path, list[Any]]:
 def follow(session: Session, document: Document) -> None:
     """The scene under `document` is another one now."""
     set_view_table(session, document)
-    if session.document is not document:
+    if session.document is not document or document.history.visited:
         return
     session.image.forget()
     with session.device_frame():

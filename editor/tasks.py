@@ -35,7 +35,6 @@ def running(session: Session) -> list[Task]:
     if session.image.rehearsing is not None:
         found.append(_counted("Preparing other views", *session.image.rehearsing))
     waiting = session.asset_pictures.waiting
-    waiting = waiting() if callable(waiting) else waiting
     if waiting:
         found.append(Task("Thumbnails", f"{waiting} to go"))
     return found

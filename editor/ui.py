@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from editor.keymap import Keymap
-from editor.operations import Operations
+from editor.operations import Operation, Operations
 from editor.plugins.manager import PluginManager
 from editor.session import Session
 from editor.theme import Fonts
@@ -22,6 +22,8 @@ class Ui:
     drawn: int = 0
     #: in which frame the viewport was last drawn
     viewport_at: int = -1
+    #: an operation that was chosen and wants to be told something (see dialogs.arguments)
+    asked: Operation | None = None
     #: whether the keys steer the camera
     flying: bool = False
     plugins: PluginManager | None = None

@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from imgui_bundle import imgui
 
 from editor import icons, theme
+from editor.strings import verbatim
 from editor.theme import Rgba
 from editor.ui import Ui
 
@@ -19,6 +20,12 @@ def em(count: float = 1.0) -> float:
 
 def text(value: str, color: Rgba = theme.TEXT) -> None:
     imgui.text_colored(imgui.ImVec4(*color), value)
+
+
+def own_text(value: str, color: Rgba = theme.TEXT) -> None:
+    """Text of the user's own, a name or a line of code, which no language of the interface changes."""
+    with verbatim():
+        text(value, color)
 
 
 def flow(width: float, gap: float = 1.0) -> None:

@@ -11,6 +11,8 @@
     checks/    rules, budgets and SARIF of `check`         images/    lone images: pictures, cubes, arrays, environments
     loose_textures  materials from files' names            experiments/   error against time, for `lucarna report`
     processing what is done to every model: clean, order   ogre/      Ogre 3D meshes, skeletons, material scripts
+    project/   files that name each other; `mv`            reimport/  a new import merged with what the user did
+    adjusting  size, axes, uvs, normals as the user wants them
     brdf_sheet   a material's lobe as a picture (`inspect --brdf`)
     key_reduction, lods   fewer keys, fewer triangles      fallback/  all other formats, by Assimp or trimesh
 

@@ -101,6 +101,8 @@ def _of_its_kind(light: LightAsset) -> Description:
         found["profile"] = light.profile
     if light.casts_shadow:
         found["casts_shadow"] = True
+    if light.radius and light.type in ("point", "spot"):
+        found["radius"] = light.radius
     return found
 
 

@@ -27,6 +27,8 @@ class History:
         self._saved: int | None = 0
         #: told of everything after it happened, so that it can be written down
         self.listener: Listener | None = None
+        #: somebody looks at another state for a moment (see `visiting`)
+        self.visited = False
         #: told of entries that are neither to be undone nor done again any more
         self.on_dropped: Callable[[list[Edit]], None] | None = None
         #: grows with every write to the document, undo and redo too: a cheap "did anything change"
@@ -108,13 +110,13 @@ class History:
         """For a while as it was with `count` entries done, then as it is; nobody is told. Not during a gesture."""
         assert self._gesture is None, "a gesture would be torn in two"
         here, listener = len(self._done), self.listener
-        self.listener = None
+        self.listener, self.visited = None, True
         try:
             self.go_to(count)
             yield
         finally:
             self.go_to(here)
-            self.listener = listener
+            self.listener, self.visited = listener, False
 
     @property
     def in_gesture(self) -> bool:

@@ -40,7 +40,7 @@ def add_compare_operations(ops: Operations) -> None:
     add("measure", "Measure A and B", _measure, enabled=_has_a, about="Milliseconds of both, rendered in turn")
     for path in PATH_CHOICES:
         if path != "auto":
-            add(f"path-{path}", f"This path against {path}", _against(path),
+            add(f"path-{path}", f"This path against {path}", _against(path), enabled=_has_paths,
                 about="Both with one sample a pixel: they should give one picture")  # fmt: skip
     add("panel", "Comparison", _panel, about="The numbers of the two")
 
@@ -51,6 +51,10 @@ FIRST = ("wipe", "go-back", "path-forward", "panel")
 
 def _has_document(session: Session) -> bool:
     return session.document is not None
+
+
+def _has_paths(session: Session) -> bool:
+    return session.document is not None and {"path", "samples"} <= session.settings.values().keys()
 
 
 def _has_a(session: Session) -> bool:

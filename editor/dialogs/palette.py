@@ -7,6 +7,7 @@ from imgui_bundle import imgui
 from editor import icons, theme
 from editor.keys import shown_shortcut
 from editor.operations import Operation
+from editor.strings import tr
 from editor.ui import Ui
 from editor.widgets import em, text
 
@@ -51,7 +52,9 @@ class Palette:
         if chosen is not None or imgui.is_key_pressed(imgui.Key.escape):
             imgui.close_current_popup()
         imgui.end_popup()
-        if chosen is not None:
+        if chosen is not None and chosen.asks:
+            ui.asked = chosen
+        elif chosen is not None:
             ui.operations.run(chosen.id, ui.session)
 
     def _row(self, ui: Ui, operation: Operation, selected: bool) -> bool:
@@ -61,7 +64,7 @@ class Palette:
         if operation.menu:
             text(f"{operation.menu}  ", theme.FAINT)
             imgui.same_line(0, 0)
-        text(operation.label)
+        text(f"{tr(operation.label)}…" if operation.asks else operation.label)
         keys = "   ".join(map(shown_shortcut, ui.operations.keys_of(operation)))
         if keys:
             imgui.same_line(imgui.get_window_width() - imgui.calc_text_size(keys).x - em(1.0))

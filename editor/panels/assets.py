@@ -9,7 +9,7 @@ from typing import ClassVar
 from imgui_bundle import imgui
 
 from editor import asset_thumbnails as pictures
-from editor import icons, material_editing, theme
+from editor import dropping, icons, material_editing, theme
 from editor.asset_thumbnails import Thumbnail
 from editor.panels.base import ASSET, Panel
 from editor.panels.folder_listing import Entry, FolderListing, can_open, size_text
@@ -267,6 +267,10 @@ class AssetsPanel(Panel):
     def _menu(self, ui: Ui, entry: Entry) -> None:
         if self._can_open(entry) and imgui.menu_item_simple("Open"):
             self._open(ui, entry)
+        if _can_place(entry) and imgui.menu_item_simple("Place in the scene"):
+            ui.operations.run("prefab.place", ui.session, path=entry.path, at=tuple(ui.session.camera.target))
+        if sort_of(entry.name) == ENVIRONMENTS and imgui.menu_item_simple("Light the scene with it"):
+            dropping.light_with(ui.session, entry.path)
         if sort_of(entry.name) == MODELS and imgui.menu_item_simple("Put the previewed material on it"):
             _preview(ui, entry.path)
         if _is_text(entry) and imgui.menu_item_simple("Open as text"):
@@ -299,6 +303,10 @@ class AssetsPanel(Panel):
         self.needle = ui.session.preferences.assets_sort = ""
         if self._root is not None and self._root in path.parents:
             self.folder = path.parent.relative_to(self._root)
+
+
+def _can_place(entry: Entry) -> bool:
+    return entry.kind == "scene" or (entry.kind == "source" and sort_of(entry.name) == MODELS)
 
 
 def _derive(ui: Ui, path: Path) -> None:

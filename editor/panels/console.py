@@ -10,9 +10,10 @@ from editor import icons, theme
 from editor.console import Console
 from editor.panels.base import Panel
 from editor.ui import Ui
-from editor.widgets import em, icon_button, mono, text
+from editor.widgets import em, icon_button, mono, own_text, text
 
-COLORS = {"in": theme.TEXT, "out": theme.DIM, "error": theme.ERROR}
+#: "did": what was done elsewhere in the window, as the line that does it here
+COLORS = {"did": theme.FAINT, "in": theme.TEXT, "out": theme.DIM, "error": theme.ERROR}
 
 
 class ConsolePanel(Panel):
@@ -31,13 +32,14 @@ class ConsolePanel(Panel):
         if self.console is None:
             self.console = Console(ui.session, ui.operations)
         console = self.console
+        console.follow()
         footer = imgui.get_frame_height_with_spacing()
         with mono(ui):
             if imgui.begin_child("lines", (0, -footer)):
                 if not console.lines:
                     text('run("edit.duplicate")   edit("nodes", "translation", selection(), [(0, 1, 0)])', theme.FAINT)
                 for line in console.lines:
-                    text(f"> {line.text}" if line.kind == "in" else line.text, COLORS[line.kind])
+                    own_text(f"> {line.text}" if line.kind == "in" else line.text, COLORS[line.kind])
                 if len(console.lines) != self._count:
                     self._count = len(console.lines)
                     imgui.set_scroll_here_y(1.0)

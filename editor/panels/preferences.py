@@ -71,7 +71,7 @@ class PreferencesPanel(Panel):
                 keymap.apply()
             imgui.same_line(0, em(0.8))
         imgui.new_line()
-        if imgui.button(f"{tr('Reset all')}##reset-keys"):
+        if imgui.button(f"{tr('Reset all')}###reset-keys"):
             keymap.reset()
             ui.session.remember()
         imgui.same_line()
@@ -124,12 +124,12 @@ class PreferencesPanel(Panel):
         keys = "   ".join(map(shown_shortcut, ui.operations.keys_of(operation))) or "—"
         words = tr("press a key…") if self.waiting == operation.id else keys
         with verbatim():
-            clicked = imgui.button(f"{words}##bind", (-1, 0))
+            clicked = imgui.button(f"{words}###bind", (-1, 0))
         if clicked:
             self.waiting, self.taken = operation.id, ""
         tooltip(tr("Click, then press the new key; Delete takes the key away, Escape keeps it"))
         imgui.table_next_column()
-        if changed and icon_button(f"{icons.RESET}##reset", "As the preset has it"):
+        if changed and icon_button(f"{icons.RESET}###reset", "As the preset has it"):
             ui.keymap.reset(operation.id)
             ui.session.remember()
         imgui.pop_id()
@@ -144,10 +144,10 @@ class PreferencesPanel(Panel):
             names = ", ".join(tr(ui.operations[other].label) for other in others)
             text(f"{icons.WARNING}  {shown_shortcut(self.taken)}: {names}", theme.WARNING)
             imgui.same_line()
-            if imgui.button(f"{tr('Take it from there')}##take"):
+            if imgui.button(f"{tr('Take it from there')}###take"):
                 self._bind(ui, [self.taken], replace=True)
             imgui.same_line()
-            if imgui.button(f"{tr('Keep')}##keep"):
+            if imgui.button(f"{tr('Keep')}###keep"):
                 self.waiting = self.taken = ""
             return
         pressed = pressed_shortcut()

@@ -9,9 +9,11 @@ from imgui_bundle import imgui
 from editor import icons
 from editor.panels.base import Panel
 from editor.param_widgets import param_row
+from editor.quality import current
 from editor.ui import Ui
 from editor.widgets import property_grid, section
 from engine.core.param import Param
+from engine.render.presets import NAMES
 
 #: heading -> names; what is in none goes under the last
 GROUPS: dict[str, tuple[str, ...]] = {
@@ -21,7 +23,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
     ),
     "Lens": (
         "auto_exposure", "auto_low", "auto_high", "auto_limit", "adapt_darker", "adapt_brighter", "bloom",
-        "bloom_radius", "bloom_calm",
+        "bloom_radius", "bloom_calm", "depth_of_field", "focus", "f_stop", "sensor",
     ),
     "Quality": (),
 }  # fmt: skip
@@ -34,6 +36,7 @@ class RenderSettingsPanel(Panel):
 
     def draw(self, ui: Ui) -> None:
         settings = ui.session.settings
+        self._quality(ui)
         for heading, params in grouped(settings.PARAMS).items():
             if params and section(ui, heading):
                 with property_grid(heading) as shown:
@@ -42,6 +45,18 @@ class RenderSettingsPanel(Panel):
                         if changed:
                             setattr(settings, param.name, value)
                 imgui.spacing()
+
+
+    @staticmethod
+    def _quality(ui: Ui) -> None:
+        """The presets, as one choice over all that they set."""
+        names = list(NAMES)
+        now = current(ui.session)
+        shown = [*names, *([] if now else ["own values"])]
+        changed, at = imgui.combo("Quality", shown.index(now or "own values"), shown)
+        if changed and at < len(names):
+            ui.operations.run(f"view.quality-{names[at]}", ui.session)
+        imgui.spacing()
 
 
 def grouped(params: tuple[Param, ...]) -> dict[str, list[Param]]:

@@ -13,7 +13,7 @@ from editor.editing_operations import reparent
 from editor.panels.base import Panel
 from editor.panels.tree_rows import UNFOLD_LIMIT, TreeRow, ancestors, kinds, matching_rows, visible_rows
 from editor.ui import Ui
-from editor.widgets import bare_button, em, empty_state, fitted, search_field, text
+from editor.widgets import bare_button, em, empty_state, fitted, own_text, search_field, text
 from engine.assets.prefab import NODE, ROOT
 
 KIND_ICONS = {
@@ -176,7 +176,7 @@ class SceneTreePanel(Panel):
             if row in document.locked:
                 text(icons.LOCKED, theme.FAINT)
                 imgui.same_line(0, em(0.3))
-            text(fitted(name, imgui.get_content_region_avail().x), theme.TEXT if shown else theme.FAINT)
+            own_text(fitted(name, imgui.get_content_region_avail().x), theme.TEXT if shown else theme.FAINT)
         imgui.table_next_column()
         own = bool(nodes.visible[row])
         color = theme.FAINT if not own else theme.DIM if hovered or selected else theme.rgb("#565c66")

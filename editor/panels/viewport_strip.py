@@ -24,6 +24,8 @@ CONTROLS = (
 )
 SURROUNDINGS = 6.4
 GAP = 0.6
+#: in a window lower than this, em, the strip takes one line
+LOW = 18.0
 #: (operation, icon)
 TOOLS = (
     ("tool.select", icons.SELECT), ("tool.move", icons.MOVE), ("tool.rotate", icons.ROTATE),
@@ -45,21 +47,34 @@ def draw(ui: Ui) -> None:
 
 
 def look_bar(ui: Ui) -> None:
-    """The look-dev strip."""
+    """The look-dev strip. Where the picture would have no room left, what does not fit is behind a button."""
     settings = ui.session.settings
     known = {p.name: p for p in settings.PARAMS}
     left = em(0.5)
     imgui.set_cursor_pos_x(left)
     button = imgui.calc_text_size(icons.LIGHT).x + 2.0 * imgui.get_style().frame_padding.x
+    tight = imgui.get_content_region_avail().y < em(LOW)
     _surroundings(ui)
+    rest: list[tuple[str, str, float]] = []
     for name, icon, width in CONTROLS:
         if name not in known:
             continue
         imgui.same_line(0, em(GAP if icon else 0.15))
-        if imgui.get_content_region_avail().x < em(width) + (button if icon else 0.0):
+        room = imgui.get_content_region_avail().x - (em(2.0) if tight else 0.0)
+        if rest or room < em(width) + (button if icon else 0.0):
+            if tight:
+                rest.append((name, icon, width))
+                continue
             imgui.new_line()
             imgui.set_cursor_pos_x(left)
         _control(ui, known[name], icon, em(width))
+    if rest:
+        if icon_button(f"{icons.MORE}##look-rest", "The rest of the look"):
+            imgui.open_popup("##look-rest")
+        if imgui.begin_popup("##look-rest"):
+            for name, icon, width in rest:
+                _control(ui, known[name], icon, em(width))
+            imgui.end_popup()
     imgui.set_cursor_pos_y(imgui.get_cursor_pos_y() - em(0.1))
 
 

@@ -73,9 +73,8 @@ def scene_key(runtime: Runtime, view: View) -> str:
     settings that no preset names."""
     scene = runtime.scene
     rest = {k: v for k, v in view.settings.values().items() if k not in PRESETS["high"]}
-    parts = (
-        str(runtime.path or runtime.asset.name), repr(scene.counts()), view.width, view.height, repr(PRESETS), repr(rest)
-    )  # fmt: skip
+    name = str(runtime.path or runtime.asset.name)
+    parts = (name, repr(scene.counts()), view.width, view.height, repr(PRESETS), repr(rest))
     return hashlib.sha256(repr(parts).encode()).hexdigest()[:16]
 
 

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from engine.experiments.harness.context import Context, OpenScene
 from engine.experiments.harness.experiment import Experiment, Knobs, Outcome, Trial, grid
 from engine.experiments.harness.pictures import beside_truth
+from engine.experiments.harness.pixel_truth import redrawn
 from engine.experiments.harness.scenes import MADE, open_scene, own_or, short
 from engine.math.color import to_u1
 from engine.math.glare import halos
@@ -53,19 +54,14 @@ def linear(scene: OpenScene, seen: View) -> F8:
 
 
 def run(ctx: Context, chosen: Knobs) -> Trial:
-    assert ctx.device is not None, "the experiment needs a device"
-    device, name, radius = ctx.device, str(chosen["scene"]), float(chosen["radius"])
+    name, radius = str(chosen["scene"]), float(chosen["radius"])
     scene = open_scene(ctx, name)
     bare = ctx.once(f"bare {name}", lambda: linear(scene, view(ctx, scene)))
     truth = ctx.once(f"halos {name} {radius}", lambda: (1.0 - PART) * bare + PART * halos(bare, radius))
     part = 0.0 if chosen["form"] == "off" else PART
     seen = view(ctx, scene, bloom=part, bloom_radius=radius, bloom_calm=chosen["form"] == "calm")
 
-    def work() -> None:
-        scene.render(seen)
-        device.finish()
-
-    def judge(_: object) -> Outcome:
+    def judge() -> Outcome:
         ours = linear(scene, seen)
         a, b = to_u1(np.clip(ours, 0.0, 1.0)), to_u1(np.clip(truth, 0.0, 1.0))
         error = {
@@ -78,7 +74,7 @@ def run(ctx: Context, chosen: Knobs) -> Trial:
         shown = radius == RADII[2] and part > 0.0
         return Outcome(error, pictures=beside_truth(ctx, label, a, "halos in float64", b) if shown else [])
 
-    return Trial(work, judge, gpu=True, close=scene.close)
+    return redrawn(ctx, scene, seen, judge)
 
 
 def extremes(ctx: Context) -> Iterator[Extreme]:

@@ -157,7 +157,7 @@ TERMS: dict[str, tuple[dict[str, Term], Callable[[Arrays], F8]]] = {
     "V Schlick": (
         {"robust": _v_schlick},
         lambda x: microfacet.V_SmithSchlick(
-            *_f8(x, "a", "b"), microfacet.schlick_k(x["alpha"].astype(np.float64), "beckmann")
+            x["a"].astype(np.float64), x["b"].astype(np.float64), microfacet.schlick_k(x["alpha"], "beckmann")
         ),
     ),
     "V Walter": ({"robust": _walter}, lambda x: microfacet.V_Walter(*_f8(x, "a", "b", "alpha"))),
@@ -192,7 +192,7 @@ def run(ctx: Context, knobs: Knobs) -> Trial:
 
     def work() -> NDArray[Any]:
         with np.errstate(all="ignore"):
-            return form(given)
+            return np.asarray(form(given))
 
     def judge(got: NDArray[Any]) -> Outcome:
         assert got.dtype == kind, "all of it in that precision"

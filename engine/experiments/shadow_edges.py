@@ -34,6 +34,8 @@ F8 = NDArray[np.float64]
 PENUMBRA, CASTERS = "penumbra", "two casters"
 #: degrees
 SUN = 3.0
+#: texels, of three cascades
+MAP = 1024
 #: metres of the edges over the floor, one behind the other
 HEIGHTS = (0.25, 0.5, 1.0, 2.0)
 SOFTNESS = (1.0, 3.0, 8.0)
@@ -114,7 +116,7 @@ def settings(chosen: Knobs, **more: Any) -> RenderSettings:
     return RenderSettings(
         samples=1, background="color", tone_map="none", sun_angle=SUN, shadow_filter=str(chosen["filter"]),
         shadow_softness=float(chosen["softness"]), shadow_precision=str(chosen["precision"]),
-        shadow_leak=float(chosen["leak"]), **more,
+        shadow_leak=float(chosen["leak"]), shadow_size=MAP, **more,
     )  # fmt: skip
 
 

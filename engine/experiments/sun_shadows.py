@@ -66,6 +66,8 @@ def knobs(ctx: Context) -> list[dict[str, Any]]:
         rows += [{**base, "filter": f, "size": s} for f in filters for s in (SIZES if f == "none" else sizes)]
         rows += [{**base, "cascades": c} for c in CASCADES if c != DEFAULT.cascades]
         rows += [{**base, "size": 2048, "cascades": c} for c in (3, 4)]
+        if ctx.quick:  # what has the thesis's maps in fewer lookups
+            rows.append({**base, "filter": "vogel8", "size": 2048})
         rows.append({**base, "filter": THESIS, "size": THESIS_SETTINGS["shadow_size"]})
         found += rows
     return found

@@ -18,8 +18,8 @@ METHODS = ("alchemy", "hbao", "gtao")
 SHOWN_IN = frozenset({"lit", "lighting", "light_tiles", "occlusion", "ambient_occlusion"})
 METHOD_CHOICES = ("off", *METHODS)
 
-#: frames that one is the mean of: while something moves, and while nothing does
-MOVING, RESTING = 16, 64
+#: frames that one is the mean of: while something moves (each fetch between texels softens), and while nothing does
+MOVING, RESTING = 8, 64
 
 #: part of a scene's size that is taken for the radius where none is set: a scene in other units looks the same
 RADIUS_PART = 0.03

@@ -1,8 +1,8 @@
 """Presets: sets of render settings from quick to good, and which of them a budget of milliseconds allows.
 
-A preset is nothing but values of parameters; what it does not name stays as it is (exposure, bloom, the lens: the look is
-nobody's quality). Their places on the front of error over time are measured by `lucarna report presets`; `auto` goes by
-what each takes on this device for the scene at hand (engine.app.calibration), never by guess.
+A preset is nothing but values of parameters; what it does not name stays as it is (exposure, bloom, the lens: a look is
+no quality). Their places on the front of error over time are measured by `lucarna report presets`; `auto` goes by what
+each takes on this device for the scene at hand (engine.app.calibration), never by guess.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ AUTO = "auto"
 #: from the quickest to the best
 PRESETS: dict[str, dict[str, Value]] = {
     "low": {
-        "samples": 1, "antialias": "fxaa", "shadow_filter": "pcf", "shadow_cascades": 2, "shadow_size": 1024,
+        "samples": 1, "antialias": "smaa", "shadow_filter": "pcf", "shadow_cascades": 2, "shadow_size": 1024,
         "local_shadow_size": 1024, "ambient_occlusion": "off", "anisotropy": 2.0, "focus_taps": 24, "quality": "low",
     },
     "medium": {
@@ -29,12 +29,12 @@ PRESETS: dict[str, dict[str, Value]] = {
         "anisotropy": 4.0, "focus_taps": 48, "quality": "medium",
     },
     "high": {
-        "samples": 4, "antialias": "none", "shadow_filter": "vogel", "shadow_cascades": 4, "shadow_size": 2048,
+        "samples": 1, "antialias": "taa", "shadow_filter": "vogel8", "shadow_cascades": 4, "shadow_size": 2048,
         "local_shadow_size": 4096, "ambient_occlusion": "gtao", "ao_directions": 2, "ao_steps": 4, "ao_half": False,
         "anisotropy": 8.0, "focus_taps": 64, "quality": "high",
     },
     "ultra": {
-        "samples": 8, "antialias": "none", "shadow_filter": "vogel", "shadow_cascades": 4, "shadow_size": 4096,
+        "samples": 1, "antialias": "taa", "shadow_filter": "vogel16", "shadow_cascades": 4, "shadow_size": 4096,
         "local_shadow_size": 8192, "ambient_occlusion": "gtao", "ao_directions": 4, "ao_steps": 8, "ao_half": False,
         "anisotropy": 16.0, "focus_taps": 128, "quality": "high",
     },

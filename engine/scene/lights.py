@@ -43,8 +43,8 @@ _SCHEMA = {
 }
 
 #: One light in the world. `radiant` = color * intensity (lux, candela or nit); `direction` is the way the light shines,
-#: `right` the node's X beside it; `range` 0 = endless; `half_size` of area lights, else both the radius; `profile` indexes
-#: LightTable.profiles, -1 = none; `light`, `node` are rows.
+#: `right` the node's X beside it; `range` 0 = endless; `half_size` of area lights, else both the radius; `profile`
+#: indexes LightTable.profiles, -1 = none; `light`, `node` are rows.
 WORLD_LIGHT = np.dtype(
     [
         ("position", np.float64, 3),

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from engine.core.errors import UsageError
 from importers.cli.object_settings import PREFIX, set_objects
 from importers.cli.render_camera import add_camera_arguments, free_camera
+from importers.cli.render_quality import add_quality_arguments, auto_quality, check_quality, with_quality
 from importers.cli.render_sequence import (
     add_sequence_arguments,
     check_arguments,
@@ -55,6 +56,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--path", choices=("auto", "forward", "deferred", "tiled-deferred", "forward-plus"),
         help="how local lights reach surfaces, all with one picture (default auto: the cheapest; --explain says why)",
     )  # fmt: skip
+    add_quality_arguments(parser)
     parser.add_argument(
         "--set", dest="settings", action="append", default=[], metavar="NAME=VALUE",
         help="set any render setting, or objects.NODE.PARAMETER: of a material, on the objects of that name alone",
@@ -72,7 +74,9 @@ def run(args: argparse.Namespace) -> int:
     width, height = parse_size(args.size)
     check_arguments(args)
     start = time.perf_counter()
-    settings = render_settings(args)
+    check_quality(args)
+    named = named_settings(args)
+    settings = with_quality(args, render_settings(args), named)
 
     from engine.app.runtime import Runtime
     from engine.gpu import open_device
@@ -92,8 +96,9 @@ def run(args: argparse.Namespace) -> int:
         opened = time.perf_counter()
         plan = sequence(args, runtime.duration)
         write = partial(_write, legend=not args.no_legend)
+        view = View(scene_camera(runtime, args, width / height), width, height, settings)
+        view.settings = settings = auto_quality(args, runtime, view, named)
         if plan is None:
-            view = View(scene_camera(runtime, args, width / height), width, height, settings)
             frame = write(runtime, view, args.out)
         else:
             frame = write_sequence(
@@ -136,6 +141,11 @@ def render_settings(args: argparse.Namespace) -> RenderSettings:
     """The settings that the arguments give. Raises UsageError."""
     from engine.render.settings import RenderSettings
 
+    return RenderSettings(**named_settings(args))
+
+
+def named_settings(args: argparse.Namespace) -> dict[str, Any]:
+    """The settings that the arguments name, by name. Raises UsageError."""
     values: dict[str, Any] = {}
     for item in args.settings:
         name, separator, value = item.partition("=")
@@ -151,7 +161,7 @@ def render_settings(args: argparse.Namespace) -> RenderSettings:
         values["force_all"] = True
     if args.check_numbers:
         values["check_numbers"] = True
-    return RenderSettings(**values)
+    return values
 
 
 def scene_camera(runtime: Runtime, args: argparse.Namespace, aspect: float) -> Camera:

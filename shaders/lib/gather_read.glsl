@@ -20,17 +20,31 @@ vec3 sent_by(ivec2 at, int level, int layer)
     return layer == 0 ? texelFetch(t_sent0, at, level).rgb : texelFetch(t_sent1, at, level).rgb;
 }
 
+// The same of a larger piece, `coarser` sizes on, where that is of the place's own surface; and no more than CALM times the
+// mean of the largest piece about it: a small bright spot that few places meet would make blotches.
+vec3 calm_light(ivec2 whole, int level, int layer, float depth, int coarser)
+{
+    const float CALM = 4.0;
+    int wide = min(level + coarser, LEVELS - 1);
+    ivec2 at = min(whole >> level, textureSize(t_depths, level) - 1);
+    vec3 light = sent_by(at, level, layer);
+    for (int k = wide; k > level; --k) {
+        at = min(whole >> k, textureSize(t_depths, k) - 1);
+        vec2 depths = texelFetch(t_depths, at, k).xy;
+        if (abs((layer == 0 ? depths.x : depths.y) - depth) < 0.1 * depth) {
+            light = sent_by(at, k, layer);
+            break;
+        }
+    }
+    at = min(whole >> (LEVELS - 1), textureSize(t_depths, LEVELS - 1) - 1);
+    vec3 about = CALM * max(sent_by(at, LEVELS - 1, 0), sent_by(at, LEVELS - 1, LAYERS - 1));
+    return any(greaterThan(about, vec3(0.0))) ? min(light, max(about.r, max(about.g, about.b))) : light;
+}
+
 vec3 side_of(ivec2 at, int level, int layer)
 {
     vec4 sides = texelFetch(t_sides, at, level);
     return unpack_side(layer == 0 ? sides.xy : sides.zw);
-}
-
-// Pixels of the view that a metre across it covers at distance d along its axis.
-float view_pixels_per_metre(float d)
-{
-    float half_height = length(view.place_y.xyz) * (view.camera.w > 0.5 ? max(d, 1e-30) : 1.0);
-    return 0.5 * view.size.y / half_height;
 }
 
 // A place in a pattern of 4 x 4 pixels, 0 to 15, far from those beside it (Bayer 1973).

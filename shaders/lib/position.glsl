@@ -21,3 +21,10 @@ float view_depth(vec3 p)
     return -(view.view_from_origin[0].z * p.x + view.view_from_origin[1].z * p.y + view.view_from_origin[2].z * p.z
              + view.view_from_origin[3].z);
 }
+
+// Pixels that a metre across the view covers at distance d along its axis.
+float pixels_per_metre(float d)
+{
+    float half_height = length(view.place_y.xyz) * (view.camera.w > 0.5 ? max(d, 1e-30) : 1.0);
+    return 0.5 * view.size.y / half_height;
+}

@@ -37,7 +37,7 @@ LampTap lamp_tap(vec4 head, vec3 w)
 vec2 lamp_sample(Light light, int k, float turn)
 {
     if (light.type == 3u)
-        return fract(vec2(0.7548776662, 0.5698402910) * (float(k) + 0.5) + vec2(turn, 1.7 * turn) * (0.5 / PI)) * 2.0 - 1.0;
+        return fract(vec2(0.7548776662, 0.5698402910) * (float(k) + 0.5) + vec2(turn, 131.0 * turn) * (0.5 / PI)) * 2.0 - 1.0;
     float angle = turn + float(k) * 2.39996322973;
     return vec2(cos(angle), sin(angle)) * vogel_radius(k, SOFT_TAPS);
 }

@@ -47,10 +47,3 @@ vec3 facet_normal(ivec2 pixel, vec3 p, float depth)
     n *= inversesqrt(size);
     return dot(n, v) < 0.0 ? -n : n;
 }
-
-// Pixels that a metre across the view covers at distance d along its axis.
-float pixels_per_metre(float d)
-{
-    float half_height = length(view.place_y.xyz) * (view.camera.w > 0.5 ? max(d, 1e-30) : 1.0);
-    return 0.5 * view.size.y / half_height;
-}

@@ -15,12 +15,7 @@ layout(binding = 1, FORMAT) uniform writeonly image2D i_mean;
 layout(binding = 2, rg32f) uniform writeonly image2D i_state;  // depth, how many frames are in it
 
 // standard deviations of what is around that older ones may lie off
-#ifndef SPREAD
-#define SPREAD 2.0
-#endif
-#ifndef FLOOR
-#define FLOOR 0.01
-#endif
+const float SPREAD = 1.0;
 // pixels that a thing's own way differs from that of one that stands still
 const float MOVED = 0.25;
 // of the depth: how much of it a thing that moves itself may gain or lose in a frame
@@ -44,7 +39,7 @@ vec4 before_at(ivec2 texel, out vec2 state, out bool seen)
 // How much of what a texel showed before lies in the plane through p, 0 to 1.
 float same_plane(ivec2 texel, float depth, vec3 p, vec3 n, float slack)
 {
-    vec2 pixel = vec2(texel) + 0.5;
+    vec2 pixel = vec2(texel * STRIDE) + 0.5;
     vec2 ndc = vec2(pixel.x * 2.0 * view.size.z - 1.0, 1.0 - pixel.y * 2.0 * view.size.w);
     vec4 now = ao.now_from_before * vec4(ndc, depth, 1.0);
     if (!(now.w > 0.0) || !(now.z > 0.0)) return 0.0;
@@ -58,7 +53,8 @@ void main()
     ivec2 texel = ivec2(gl_GlobalInvocationID.xy);
     ivec2 size = textureSize(t_visibility, 0);
     if (any(greaterThanEqual(texel, size))) return;
-    float depth = depth_at(texel);
+    ivec2 own = texel * STRIDE;
+    float depth = depth_at(own);
     vec4 now = now_at(texel);
     float frames = 1.0;
     vec2 state;
@@ -68,16 +64,16 @@ void main()
         frames = seen ? min(state.y + 1.0, ao.most) : 1.0;
         if (seen) now = mix(before, now, 1.0 / frames);
     } else if (depth > 0.0 && ao.known > 0.5) {
-        vec2 moved = texelFetch(t_motion, texel, 0).rg;
-        vec2 at = vec2(texel) - moved;
-        vec2 pixel = vec2(texel) + 0.5 - ao.jitter;
+        vec2 moved = texelFetch(t_motion, own, 0).rg;
+        vec2 at = vec2(texel) - moved / float(STRIDE);
+        vec2 pixel = vec2(own) + 0.5 - ao.jitter;
         vec2 ndc = vec2(pixel.x * 2.0 * view.size.z - 1.0, 1.0 - pixel.y * 2.0 * view.size.w);
         vec4 clip = ao.before_from_now * vec4(ndc, depth, 1.0);
         // where it moved itself its plane then is not known, and its depth has to do
         bool itself = length(pixels_moved(ndc, clip) - moved) > MOVED;
         float expected = clip.z / max(clip.w, 1e-30);
-        vec3 p = place_at(texel, depth);
-        vec3 n = facet_normal(texel, p, depth);
+        vec3 p = place_at(own, depth);
+        vec3 n = facet_normal(own, p, depth);
         float slack = max(0.05 * ao.radius, 1.0 / pixels_per_metre(view_depth(p)));
         ivec2 corner = ivec2(floor(at));
         vec4 sum = vec4(0.0);
@@ -105,7 +101,7 @@ void main()
                 mean += c / 9.0;
                 squares += c * c / 9.0;
             }
-            vec4 spread = SPREAD * sqrt(max(squares - mean * mean, vec4(0.0))) + FLOOR;
+            vec4 spread = SPREAD * sqrt(max(squares - mean * mean, vec4(0.0)));
             vec4 held = clamp(sum / weights, mean - spread, mean + spread);
             frames = min(count / weights + 1.0, ao.most);
             now = mix(held, now, 1.0 / frames);

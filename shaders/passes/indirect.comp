@@ -104,7 +104,7 @@ void cover(Slice s, vec3 p, vec3 n, ivec2 at, ivec2 whole, int level, int layer,
     float d2 = dot(q, q);
     float far = view_depth(place);
     float front = sector_of(s, q, n);
-    bool joined = last.depth > 0.0 && abs(far - last.depth) < gi.separation + FALL * aside * gi.scale.y / view_pixels_per_metre(far);
+    bool joined = last.depth > 0.0 && abs(far - last.depth) < gi.separation + FALL * aside * gi.scale.y / pixels_per_metre(far);
     float before = last.sector;
     last = Step(front, far);
     if (!(d2 < gi.radius * gi.radius) || d2 < 1e-30) return;
@@ -117,7 +117,7 @@ void cover(Slice s, vec3 p, vec3 n, ivec2 at, ivec2 whole, int level, int layer,
     covered |= bits;
     float weight = s.size * (s.high - s.low) * float(bitCount(bits)) * (1.0 / 32.0);
     if (dot(side_of(at, level, layer), q) < 0.0) {
-        g.light += weight * sent_by(at, level, layer);
+        g.light += weight * calm_light(whole, level, layer, depth, COARSER);
         g.known += weight;
     } else {
         g.unseen += weight * UNSEEN;  // its other side: dark, or as what is seen
@@ -258,7 +258,7 @@ void main()
         vec3 p = layer_place(own, depth);
         vec3 v = safe_normalize(view_vector(p));
         vec3 n = shape_normal(texelFetch(t_shape, own, 0).xy, v);
-        float reach = min(gi.radius * view_pixels_per_metre(view_depth(p)) / gi.scale.y, gi.size.x + gi.size.y);
+        float reach = min(gi.radius * pixels_per_metre(view_depth(p)) / gi.scale.y, gi.size.x + gi.size.y);
         if (reach > 1.0) {
             Gathered g = gather(texel, own, p, n, v, reach);
 #if UNSEEN

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import pytest
 
-from engine.experiments import bloom
+from engine.experiments import antialias, bloom, dof, presets
 from engine.experiments.harness import registry, sweep
 from engine.experiments.harness.context import Context
 from engine.report.records import Result
@@ -18,7 +18,9 @@ pytestmark = pytest.mark.gl
 def _few(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sweep, "REPEATS", (5, 5))
     monkeypatch.setattr(sweep, "BUDGET_S", (0.2, 0.2))
-    monkeypatch.setattr(bloom, "size", lambda ctx: (96, 64))
+    for module, name in ((bloom, "size"), (dof, "size"), (antialias, "size"), (presets, "picture_size")):
+        monkeypatch.setattr(module, name, lambda ctx: (96, 64))
+    monkeypatch.setattr(dof, "lens_places", lambda ctx: 32)
 
 
 def run(name: str, ctx: Context) -> Result:
@@ -44,4 +46,21 @@ def test_every_way_to_smooth_edges_helps(quick: Callable[[], Context]) -> None:
     points = run("antialias", quick()).points
     found = {(p.curve, p.knobs["samples"]): p.error["rmse_8_bit"] for p in points}
     assert found["fxaa", 1] < 0.9 * found["none", 1]
+    assert found["smaa", 1] < 0.9 * found["none", 1]
+    assert found["taa", 16] < found["taa turning", 16] < found["none", 1]
     assert found["msaa", 4] < found["fxaa", 1]
+
+
+@pytest.mark.usefixtures("gl_device")
+def test_a_lens_is_nearer_to_the_lens(quick: Callable[[], Context]) -> None:
+    pytest.importorskip("flip_evaluator")
+    errors = {p.curve: p.error for p in run("dof", quick()).points}
+    assert errors["gathered"]["rmse"] < 0.5 * errors["off"]["rmse"]
+    assert abs(errors["gathered"]["lost"]) < 0.03
+
+
+@pytest.mark.usefixtures("gl_device")
+def test_better_presets_are_better(quick: Callable[[], Context]) -> None:
+    pytest.importorskip("flip_evaluator")
+    errors = {(p.curve, p.knobs["preset"]): p.error["rmse_8_bit"] for p in run("presets", quick()).points}
+    assert errors["preset", "high"] < errors["preset", "low"] < errors["none", "low"]

@@ -18,12 +18,13 @@ from engine.experiments.harness.context import Context
 def test_softness_and_leaks(quick: Callable[[], Context], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sweep, "REPEATS", (5, 5))
     monkeypatch.setattr(sweep, "BUDGET_S", (0.1, 0.1))
-    monkeypatch.setattr(shadow_edges, "FILTERS", ("none", "pcss", "poisson24", "vsm", "msm"))
+    monkeypatch.setattr(shadow_edges, "FILTERS", ("pcss", "poisson24", "vsm", "msm"))
     monkeypatch.setattr(shadow_edges, "SIZE", (96, 96))
+    monkeypatch.setattr(shadow_edges, "MAP", 512)
     result = sweep.run_experiment("shadow_edges", registry.get("shadow_edges"), quick())
     assert not result.omitted
     edge = {p.knobs["filter"]: p.error for p in result.points if p.knobs["scene"] == shadow_edges.PENUMBRA}
-    assert edge["pcss"]["rmse"] < 0.7 * edge["poisson24"]["rmse"] < edge["none"]["rmse"]
+    assert min(edge, key=lambda name: edge[name]["rmse"]) == "pcss", "the only one whose width is the sun's"
     leaks = {
         (p.knobs["filter"], p.knobs["leak"] > 0.0): p.error["worst"]
         for p in result.points if p.knobs["scene"] == shadow_edges.CASTERS and p.knobs["precision"] == "single"

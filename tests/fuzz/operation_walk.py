@@ -29,6 +29,10 @@ from engine.core.errors import LucarnaError
 #: operations that the walk leaves out, and why
 LEFT_OUT = {
     "file.quit": "ends the window",
+    "prefab.make": "its undo opens another scene under the document, which a replay cannot follow yet",
+    "prefab.apply": "as prefab.make",
+    "prefab.revert": "as prefab.make",
+    "help.export-keymap": "writes a file and no document",
     "shader.effect": "opens files of the installation in the text editor",
 }
 

@@ -45,6 +45,6 @@ def test_tables_and_files_keep_it(tmp_path: Path) -> None:
     scene.update()
     assert [scene.lights.asset(i).casts_shadow for i in range(4)] == [False, True, True, True]
     world = scene.lights.world()
-    assert np.array_equal(world["casts_shadow"], [False, True, False, False])  # a disk's light is never hidden
+    assert np.array_equal(world["casts_shadow"], [False, True, True, True])
     scene.lights.set(int(rows[0]), type="point")
-    assert scene.lights.world()["casts_shadow"].tolist() == [False, True, True, False]
+    assert scene.lights.world()["casts_shadow"].tolist() == [False, True, True, True]

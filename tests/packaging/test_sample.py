@@ -205,14 +205,18 @@ PAINTERS = {
 def test_the_script_makes_this_file(monkeypatch: pytest.MonkeyPatch) -> None:
     """Structure and geometry are the script's; images depend on the codecs' versions and are left out."""
     monkeypatch.syspath_prepend(str(ROOT / "packaging"))
-    names = ("make_sample", "sample_textures", "sample_shapes", "sample_glb")
+    names = (
+        "make_sample", "sample_materials", "sample_planets", "sample_workshop", "sample_textures", "sample_shapes",
+        "sample_glb",
+    )  # fmt: skip
     for name in names:
         monkeypatch.delitem(sys.modules, name, raising=False)
     make_sample = importlib.import_module("make_sample")
+    textures = importlib.import_module("sample_textures")
     blank = np.zeros((4, 4, 3), np.uint8)
     for painter, count in PAINTERS.items():
         result = blank if count == 1 else (blank,) * count
-        monkeypatch.setattr(make_sample.textures, painter, lambda *_, result=result: result)
+        monkeypatch.setattr(textures, painter, lambda *_, result=result: result)
     made, shipped = Document(make_sample.make()), Document(SAMPLE.read_bytes())
     for name in names:
         monkeypatch.delitem(sys.modules, name, raising=False)

@@ -1,4 +1,4 @@
-"""Shadows where numbers are at their ends: depth ranges, sizes, positions, nothing at all; and cameras that hardly move."""
+"""Shadows where numbers are at their ends: depth ranges, sizes, nothing at all; and cameras that hardly move."""
 
 from __future__ import annotations
 
@@ -76,8 +76,8 @@ def test_a_sun_straight_above_below_and_on_the_horizon(stage, surface, filter, e
 @pytest.mark.parametrize("filter", ["pcf", "vogel16", "pcss", "evsm4", "msm"])
 @pytest.mark.parametrize("moved", [(0.0, 0.0, 0.0), (1e6, 0.0, 1e6)])
 def test_a_seventh_of_a_texel_changes_no_shadow(stage, surface, filter, moved) -> None:
-    """The camera steps sideways by 1/7 texel, seven times: the maps' texels stay where they are in the world, and so does
-    the light of every place of the floor."""
+    """The camera steps sideways by 1/7 texel, seven times: the maps' texels stay where they are in the world, and so
+    does the light of every place of the floor."""
     sunny(stage)
     stage.add(plane(30.0), surface(metallic=0.0), moved)
     stage.add(cube(), surface(metallic=0.0), np.add(moved, (0.0, 0.6, 0.0)))

@@ -1,4 +1,4 @@
-"""A film strip of shadows: above, the camera goes by; below, the sun goes over. For looking at: nothing may crawl or jump.
+"""A film strip of shadows: above, the camera goes by; below, the sun goes over. Nothing may crawl or jump.
 
 python -m tests.tools.shadow_strip [--scene NAME] --out strip.png [--count 8] [--size 200x140] [--set shadow_filter=msm]
 """

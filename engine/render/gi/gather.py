@@ -19,6 +19,8 @@ NEAR_FAR, SIDES, SENT = "layer_depths", "layer_sides", ("layer0_sent", "layer1_s
 SHAPE_UNITS, LIGHT_UNITS = (17, 19), (18, 21)
 #: places are read from a size whose texels are 2 to this times smaller than what lies between places
 FINER = 1
+#: and light from one so many times 2 larger than that
+COARSER = 1
 
 
 def levels_of(width: int, height: int) -> int:
@@ -68,7 +70,7 @@ def gather(ctx: PassContext, out: Texture, block: Buffer, *, layer: int = 0, lev
     quality, size = frame.facts.indirect, ctx.texture(NEAR_FAR).desc
     defines = {
         "METHOD": METHODS.index(quality.method), "DIRECTIONS": quality.directions, "STEPS": quality.steps,
-        "LAYERS": quality.layers, "LEVELS": levels_of(size.width, size.height), "FINER": FINER,
+        "LAYERS": quality.layers, "LEVELS": levels_of(size.width, size.height), "FINER": FINER, "COARSER": COARSER,
         "UNSEEN": int(quality.unseen == "seen"), "OF_LAYER": layer, "OWN_LEVEL": level,
     }  # fmt: skip
     inputs = {**sent_inputs(ctx, quality.layers), DEPTH_UNIT: (ctx.texture(SHAPES[layer]), frame.point_sampler)}

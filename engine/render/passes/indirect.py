@@ -16,8 +16,10 @@ from engine.render.gi.gather import DEPTHS, LIGHTS, NEAR_FAR, SENT, SHAPES, SIDE
 GATHERED, INDIRECT = "indirect_raw", "indirect"
 #: the same, of this frame and those before; rg32f: how far the place is, how many frames are in it
 MIXED, MIXED_STATE = "indirect_mixed", "indirect_state"
+#: between both, in the layers' size: taps on each side, texels from one to the next
+FILTERED, FILTERS = ("indirect_even", "indirect_wide"), ((2, 1), (1, 4))
 #: debug view -> LAYER_VIEW of indirect_filter.comp, and the second layer's textures there
-LAYER_VIEWS, LAYER_UNITS = {"layer_color": 1, "layer_depth": 2}, {18: SHAPES, 19: LIGHTS, 21: DEPTHS}
+LAYER_VIEWS, LAYER_UNITS = {"layer_color": 1, "layer_depth": 2}, {19: SHAPES, 21: LIGHTS, 22: DEPTHS}
 
 
 class IndirectPass(Pass):
@@ -43,6 +45,8 @@ class IndirectPass(Pass):
             b.create(MIXED_STATE, "rg32f", scale=scale)
             b.history(MIXED)
             b.history(MIXED_STATE)
+        for name in FILTERED:
+            b.create(name, "rgba16f", scale=scale)
         b.create(INDIRECT, "rgba16f")
 
     def execute(self, ctx: PassContext) -> None:
@@ -52,14 +56,19 @@ class IndirectPass(Pass):
         gather(ctx, found, block_of(frame))
         if quality.smooth:
             found = self._mixed(ctx, found, block_of(frame, known=not ctx.history_reset(MIXED)))
-        inputs: dict[int, Any] = {
-            DEPTH_UNIT: (ctx.texture("depth"), point), INPUT_UNIT: (found, point),
-            17: (ctx.texture(NEAR_FAR), point),
-        }  # fmt: skip
+        layers = {17: (ctx.texture(NEAR_FAR), point), 18: (ctx.texture(SIDES), point)}
+        noisy = found
+        for name, (radius, apart) in zip(FILTERED, FILTERS, strict=True):
+            defines = {"WHOLE": 0, "LAYER_VIEW": 0, "RADIUS": radius, "APART": apart, "NOISY": int(apart > 1)}
+            out = {1: (ctx.texture(name), 0, "write")}
+            inputs = {**layers, INPUT_UNIT: (found, point), 19: (noisy, point)}
+            dispatch(ctx, "indirect_filter.comp", defines, inputs, out, block_of(frame), label=name)
+            found = ctx.texture(name)
+        inputs = {**layers, DEPTH_UNIT: (ctx.texture("depth"), point), INPUT_UNIT: (found, point)}
         shown = LAYER_VIEWS.get(frame.facts.debug_view, 0) if quality.layers > 1 else 0
         if shown:
             inputs |= {unit: (ctx.texture(names[1]), point) for unit, names in LAYER_UNITS.items()}
-        defines = {"SAMPLES": frame.facts.samples, "LAYER_VIEW": shown}
+        defines = {"WHOLE": 1, "SAMPLES": frame.facts.samples, "LAYER_VIEW": shown, "RADIUS": 1, "APART": 1, "NOISY": 0}
         out = {1: (ctx.texture(INDIRECT), 0, "write")}
         dispatch(ctx, "indirect_filter.comp", defines, inputs, out, block_of(frame))
 

@@ -4,20 +4,22 @@ splits.py    practical split scheme           light_space.py  axes with the sun'
 slices.py    bounding sphere of a slice       fit.py          cascades around what the view shows, on a world grid
 sun.py       SunShadows: this frame's cascades, who casts into each, keys of what is drawn
 bias.py      how far a receiver is lifted     quality.py      what of the settings changes the frame's structure
-casters.py   sound bounds, what moved when
+casters.py   sound bounds, what moved when    moments.py      maps that can be blurred: bounds, limits, weights
 atlas.py     tiles by importance              faces.py        what a tile sees: along a spot, or a side of a cube
-local.py     LocalShadows: tiles of point and spot lights, who casts into each, keys, the buffer of the lookups
+local.py     LocalShadows: tiles of local lights, who casts into each, keys, the buffer of the lookups
 
 camera, sun, bounding spheres ─► fit ─► cascades ─► rows of the view block ─► shaders/lib/shadows.glsl
                                     └─► caster masks, keys ─► passes/shadow_cascades.py ─► d32f array
+                                        ─► passes/shadow_moments.py, for filters that blur ─► moments, mips
 
-lights that cast ─► atlas, faces ─► tiles ─► rows of a buffer ─► shaders/lib/local_shadows.glsl
+lights that cast ─► atlas, faces ─► tiles ─► rows of a buffer ─► shaders/lib/local_shadows.glsl, soft_lamps.glsl
                                          └─► caster masks, keys ─► passes/local_shadows.py ─► d32f atlas
 
 Depth in the maps is reversed as everywhere: 1 towards the sun, 0 away from it, cleared to 0 (nothing casts); a point is
 lit where its depth is at least the map's.
 
 Only direct light is shadowed: of the first sun (the environment's if it has one, else the first directional light) and
-of the point and spot lights that cast; area lights and other suns shine through things.
+of the local lights that cast; other suns shine through things. A local light with a size (an area light, a lamp with a
+radius) throws shadows as soft as geometry makes them.
 Solid lit surfaces cast, blended and unlit ones do not; all lit surfaces, blended ones too, show shadows.
 """

@@ -88,8 +88,8 @@ def view_range(camera: Camera, receivers: Boxes, distance: float) -> tuple[float
 
 def nearest_body(receivers: Boxes, near: float, far: float) -> float:
     """Where there is something to see: the nearest depth of a receiver that the camera is not inside of, but no further
-    than the middle of the range (by logarithms). A ground that reaches to the horizon has bounds around the camera, which
-    say nothing; splitting from there on would spend cascades on air."""
+    than the middle of the range (by logarithms). A ground that reaches to the horizon has bounds around the camera,
+    which say nothing; splitting from there on would spend cascades on air."""
     if far <= near:
         return near
     outside = receivers.near[receivers.near > near]

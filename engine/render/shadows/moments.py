@@ -59,16 +59,16 @@ def blur_weights(radius: float) -> list[float]:
 
 def moments(filter: str, z: ArrayLike, c: float) -> F8:
     """f8[...,4]: what a texel of depth `z` keeps."""
-    z = np.asarray(z, np.float64)
-    nothing = np.zeros_like(z)
+    d: F8 = np.asarray(z, np.float64)
+    nothing = np.zeros_like(d)
     if filter == "esm":
-        parts = [np.exp(c * (z - 1.0)), nothing, nothing, nothing]
+        parts = [np.exp(c * (d - 1.0)), nothing, nothing, nothing]
     elif filter == "vsm":
-        parts = [z, z * z, nothing, nothing]
+        parts = [d, d * d, nothing, nothing]
     elif filter == "msm":
-        parts = [z, z**2, z**3, z**4]
+        parts = [d, d**2, d**3, d**4]
     else:
-        up, down = np.exp(c * z), -np.exp(-c * z)
+        up, down = np.exp(c * d), -np.exp(-c * d)
         both = filter == "evsm4"
         parts = [up, up * up, down if both else nothing, down * down if both else nothing]
     return np.stack(parts, axis=-1)
@@ -76,9 +76,9 @@ def moments(filter: str, z: ArrayLike, c: float) -> F8:
 
 def chebyshev(mean: ArrayLike, square: ArrayLike, t: ArrayLike, least: ArrayLike) -> F8:
     """Upper bound of the part at or beyond `t`, where its mean lies before it (Cantelli's inequality); else 1."""
-    mean, t = np.asarray(mean, np.float64), np.asarray(t, np.float64)
-    variance = np.maximum(np.asarray(square) - mean * mean, least)
-    off = t - mean
+    middle, at = np.asarray(mean, np.float64), np.asarray(t, np.float64)
+    variance = np.maximum(np.asarray(square, np.float64) - middle * middle, least)
+    off = at - middle
     return np.where(off <= 0.0, 1.0, variance / (variance + off * off))
 
 
@@ -95,23 +95,22 @@ def hamburger(b: ArrayLike, t: ArrayLike, bias: float) -> F8:
     other nodes are the roots of the polynomial of degree 2 that solves the Hankel system for (1, t, t^2); a weight is
     the mean of its Lagrange polynomial (Peters and Klein 2015, algorithm 2).
     """
-    b, t = np.asarray(b, np.float64), np.asarray(t, np.float64)
-    b = b + (np.array(BIAS_TOWARDS) - b) * bias
-    b1, b2, b3, b4 = np.moveaxis(b, -1, 0)
+    given, at = np.asarray(b, np.float64), np.asarray(t, np.float64)
+    b1, b2, b3, b4 = np.moveaxis(given + (np.array(BIAS_TOWARDS) - given) * bias, -1, 0)
     with np.errstate(all="ignore"):
         d11 = b2 - b1 * b1
         l21 = (b3 - b1 * b2) / d11
         d22 = (b4 - b2 * b2) - l21 * (b3 - b1 * b2)
-        c1 = (t - b1) / d11
-        c2 = ((t * t - b2) - l21 * (t - b1)) / d22
+        c1 = (at - b1) / d11
+        c2 = ((at * at - b2) - l21 * (at - b1)) / d22
         c1 = c1 - l21 * c2
         c0 = 1.0 - b1 * c1 - b2 * c2
         p, q = c1 / c2, c0 / c2
         root = np.sqrt(np.maximum(p * p / 4.0 - q, 0.0))
         low, high = -p / 2.0 - root, -p / 2.0 + root
-        first = (b2 - (t + high) * b1 + t * high) / ((low - t) * (low - high))
-        own = (b2 - (low + high) * b1 + low * high) / ((t - low) * (t - high))
-        before = np.where(t <= low, 0.0, np.where(t <= high, first, 1.0 - own))
+        first = (b2 - (at + high) * b1 + at * high) / ((low - at) * (low - high))
+        own = (b2 - (low + high) * b1 + low * high) / ((at - low) * (at - high))
+        before = np.where(at <= low, 0.0, np.where(at <= high, first, 1.0 - own))
     return np.clip(1.0 - np.nan_to_num(before, nan=0.0), 0.0, 1.0)
 
 
@@ -122,19 +121,19 @@ def visibility(filter: str, m: ArrayLike, t: ArrayLike, *, c: float, leak: float
     `texel`: width of a texel in depth's unit: a variance less than what one of them spans is none to tell. `steep`: the
     receiver's depth per texel times the square of the blur's radius in texels: where that is large, the mean of
     evsm4's convex warp over the receiver itself lies beyond it, and bounds nothing."""
-    m, t = np.asarray(m, np.float64), np.asarray(t, np.float64)
+    m, at = np.asarray(m, np.float64), np.asarray(t, np.float64)
     floor = ROUNDING[precision]
     if filter == "esm":
-        return without_leak(np.minimum(m[..., 0] * np.exp(c * (1.0 - t)), 1.0), leak)
+        return without_leak(np.minimum(m[..., 0] * np.exp(c * (1.0 - at)), 1.0), leak)
     if filter == "vsm":
-        return without_leak(chebyshev(m[..., 0], m[..., 1], t, max(floor, (0.25 * texel) ** 2)), leak)
+        return without_leak(chebyshev(m[..., 0], m[..., 1], at, max(floor, (0.25 * texel) ** 2)), leak)
     if filter == "msm":
-        return without_leak(hamburger(m, t, MOMENT_BIAS[precision]), leak)
+        return without_leak(hamburger(m, at, MOMENT_BIAS[precision]), leak)
     floor = max(floor, (0.25 * texel * c) ** 2)
-    up = np.exp(c * t)
+    up = np.exp(c * at)
     p = chebyshev(m[..., 0], m[..., 1], up, floor * up * up)
     if filter == "evsm4":
-        down = -np.exp(-c * t)
+        down = -np.exp(-c * at)
         convex = min(max(c * steep / 4.0 - 1.0, 0.0), 1.0)
         p = np.minimum(p, np.maximum(chebyshev(m[..., 2], m[..., 3], down, floor * down * down), convex))
     return without_leak(p, leak)

@@ -65,7 +65,7 @@ def steps(run: WindowRun, seen: dict[str, Any]) -> None:
     seen["moved"] = (root / "materials/crimson.material.toml").is_file()
     seen["error"] = session.ui.error_bar
     run.shot("moved")
-    session.undo()
+    run.do(session.undo)
     seen["back"] = (root / "scenes/boxes.red.material.toml").is_file()
     document = session.document
     document.select(list(document.runtime.scene.nodes.name).index("cube"))
@@ -79,7 +79,7 @@ def steps(run: WindowRun, seen: dict[str, Any]) -> None:
     session.edit("nodes", "scale", (inner,), ((0.4, 0.4, 0.4),), label="Scale the second")
     document.select(inner)
     run.ctx.yield_(4)
-    seen["own"] = run.app.ui.operations.run("prefab.apply", session)
+    run.do(lambda: run.app.ui.operations.run("prefab.apply", session))
     run.ctx.yield_(8)
     run.shot("applied")
     nodes = document.runtime.scene.nodes

@@ -1,5 +1,6 @@
-"""The first five minutes of a new user in a real window: `first_minutes_ui.py FOLDER`. A picture of the window in FOLDER
-after each step. Run by test_first_minutes.py, and by `python -m tests.tools.tour`, which makes the tour of it.
+"""The first five minutes of a new user in a real window: `first_minutes_ui.py FOLDER`; a picture after each step.
+
+Run by test_first_minutes.py, and by `python -m tests.tools.tour`, which makes the tour of it.
 """
 
 from __future__ import annotations
@@ -38,7 +39,7 @@ class FirstMinutes:
     def __init__(self, folder: Path) -> None:
         self.seen: dict[str, Any] = {"error": ""}
         write_sample(make_sample("walker"), folder / "scene")
-        (folder / "model").mkdir()
+        (folder / "model").mkdir(parents=True)
         scene, model = folder / "scene/walker.scene.json", folder / "model/walker.glb"
         assert lucarna(["export", str(scene), "--out", str(model)]) == 0
         self.model = folder / "model"

@@ -1,0 +1,105 @@
+"""Presets and budgets: sound values, the best that fits, kept times, and times that make no sense."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from engine.app import calibration
+from engine.assets.primitives import card
+from engine.core.errors import UsageError
+from engine.gpu.types import Device
+from engine.render.presets import NAMES, PRESETS, preset_of, with_preset, within_budget
+from engine.render.settings import RenderSettings
+from tests.support.stage import Stage
+
+TIMES = {"low": 2.0, "medium": 5.0, "high": 9.0, "ultra": 40.0}
+
+
+@pytest.fixture
+def stage(null_device: Device, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(calibration, "user_cache_dir", lambda: tmp_path)
+    made = Stage(null_device)
+    yield made
+    made.close()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_preset_is_parameters_and_nothing_else(name: str) -> None:
+    """Each value is one that its parameter takes; all presets name the same ones; the look is in none."""
+    looked = with_preset(RenderSettings(exposure=1.5, bloom=0.2), name)
+    assert preset_of(looked) == name
+    assert (looked.exposure, looked.bloom) == (1.5, 0.2)
+    left = {"ao_directions", "ao_steps", "ao_half"}  # of what `low` does not have
+    assert set(PRESETS[name]) | left == set(PRESETS["ultra"])
+    assert preset_of(RenderSettings(**{**looked.values(), "shadow_size": 999})) == ""
+
+
+@pytest.mark.parametrize(
+    ("budget", "preset", "within"),
+    [(1.0, "low", False), (2.0, "low", True), (16.0, "high", True), (1e4, "ultra", True)],
+)
+def test_the_best_that_fits(budget: float, preset: str, within: bool) -> None:
+    chosen = within_budget(TIMES, budget, "this scene")
+    assert (chosen.preset, chosen.within) == (preset, within)
+    assert all(f"{name} {ms:.3g}" in chosen.why for name, ms in TIMES.items()), "it says what was measured"
+    # a preset that is both better and quicker is taken, whatever the order of the names
+    assert within_budget({**TIMES, "ultra": 3.0}, 4.0, "").preset == "ultra"
+
+
+def test_measured_once_a_scene_and_size(stage: Stage, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[int] = []
+    monkeypatch.setattr(calibration, "measure", lambda runtime, view: asked.append(view.width) or dict(TIMES))
+    small, large = stage.view((32, 24)), stage.view((64, 48))
+    assert calibration.choose(stage.runtime, small, 16.0).preset == "high"
+    assert "measured before" in calibration.choose(stage.runtime, small, 4.0).why
+    assert "measured now" in calibration.choose(stage.runtime, large, 4.0).why
+    assert "measured now" in calibration.choose(stage.runtime, small, 4.0, again=True).why
+    assert asked == [32, 64, 32]
+    stage.add(card())
+    calibration.choose(stage.runtime, small, 4.0)
+    assert asked[-1] == 32, "another scene"
+    assert len(asked) == 4
+
+
+def test_frames_of_every_preset_are_taken(stage: Stage) -> None:
+    found = calibration.measure(stage.runtime, stage.view((16, 12)))
+    assert set(found) == set(NAMES)
+    assert all(ms > 0.0 for ms in found.values())
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "{",
+        '{"scenes": {"a": {"low": 1}}}',
+        "[]",
+        '{"scenes": {"a": {"low": -1, "medium": 1, "high": 1, "ultra": 1}}}',
+    ],
+)
+def test_kept_times_that_make_no_sense_count_as_none(stage: Stage, text: str) -> None:
+    path = calibration.file_of(stage.device.caps)
+    path.parent.mkdir(parents=True)
+    path.write_text(text, "utf-8")
+    assert calibration.load(stage.device.caps) == {}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--quality", "auto"], "no budget"),
+        (["--budget-ms", "16"], "without --quality auto"),
+        (["--quality", "auto", "--budget-ms", "0"], "above 0"),
+    ],
+)
+def test_arguments_that_do_not_go_together(arguments: list[str], said: str) -> None:
+    import argparse
+
+    from importers.cli.render_quality import add_quality_arguments, check_quality
+
+    parser = argparse.ArgumentParser()
+    add_quality_arguments(parser)
+    with pytest.raises(UsageError, match=said):
+        check_quality(parser.parse_args(arguments))

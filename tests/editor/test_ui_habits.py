@@ -1,0 +1,20 @@
+"""UI tests of keys, palette, languages and plug-ins: real clicks on imgui's null platform, each reported by its name."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.support import ui_scripts
+
+SCRIPT = "habits_ui.py"
+
+
+@pytest.fixture(scope="module")
+def results() -> dict[str, str]:
+    return ui_scripts.run(SCRIPT)
+
+
+@pytest.mark.parametrize("name", ui_scripts.names(SCRIPT))
+def test_ui(results: dict[str, str], name: str) -> None:
+    assert name in results, "the test did not run"
+    assert not results[name], results[name]
