@@ -4,7 +4,8 @@
     app.py                hello_imgui window: device, fonts, layout, frame loop        (imgui)
     panels/ *.py          one panel a file, listed in panels.registry                  (imgui)
     dialogs/ *.py         open, save, progress, unsaved changes, palette, cards         (imgui)
-    menus, keys, widgets, param_widgets, theme, layout                                  (imgui)
+    menus, keys, widgets, param_widgets, theme, layout, layout_slots                    (imgui)
+    compare_overlay       an earlier state beside the present one, a line that wipes    (imgui)
     overlay, markers, axis_widget, gizmo_widget      drawn over the picture             (imgui)
     light_outlines        what lights are and how far they reach, drawn over the picture   (imgui)
     legend_overlay        what a debug view's colours mean, drawn over the picture         (imgui)
@@ -13,7 +14,13 @@
     session.py            what the window works on: document, camera, settings, log    (no imgui, no GL)
       |                   its fields: session_state.py; looking.py: settings, camera, picking; requests.py: for dialogs
       |-- tabs.py         several documents open at once: what each of those behind keeps; dropping.py: dropped files
-      |-- operations.py   named user operations: menu, palette and keys are their doors
+      |-- operations.py   named user operations with arguments: menu, palette, keys, console and scripts are their doors
+      |     |-- keymap.py   presets and the user's keys over them; physical_keys: letters by their place
+      |     |-- scripting, script_names, script_run    what was done as lines; `lucarna run`, the console
+      |     '-- features, documentation                docs/features.md and docs/operations.md, made from the registries
+      |-- strings/        words in other languages than English; fonts.py: glyphs for them
+      |-- plugins/        operations, panels, importers, passes, effects from outside, each switched off when it fails
+      |-- tasks, live_hints       what goes on in the background; what the mouse does now
       |-- document.py     what is open; every edit is a Command on a table column
       |     |-- commands/ Command, StructureCommand + History: undo, redo, one entry per gesture
       |     '-- journal.py    every edit on disk as it happens; recovering.py restores what a killed session left
@@ -24,6 +31,9 @@
       |-- tools, gizmo, selecting      move/turn/scale arithmetic, box selection, isolating, measuring
       |-- code/           shader files as text: documents, problems, search, completion
       |-- material_editing, param_groups    materials, one or many: shared parameters, copies, resets, textures
+      |-- comparing/      any earlier state, or another render path, beside the present one: pictures and numbers
+      |-- looks, surroundings, look_card, turntable    look-dev: curves, light, grey and chrome balls
+      |-- bookmarks.py    camera bookmarks, a table of the document (bookmark_table.py)
       |-- preview.py      a material on a shape, by engine.app.material_stage; its set-up is remembered
       |-- asset_thumbnails.py    pictures of asset files, made by thumbnail_maker.py in a worker process
       |-- animating/     edits of an animation file, clock and log that follow it

@@ -9,9 +9,10 @@ from typing import Any
 
 from imgui_bundle import hello_imgui, imgui
 
-from editor import dropping, file_drop, keys, layout, layout_slots, menus, recovering, theme, turntable
+from editor import dropping, file_drop, keys, layout, layout_slots, menus, recovering, strings, theme, turntable
 from editor.dialogs import Dialogs
 from editor.dialogs.modals import draw_error_bar
+from editor.fonts import HINT, cjk_font
 from editor.operations import Operations
 from editor.panels.base import Panel
 from editor.panels.registry import make_panels
@@ -61,6 +62,8 @@ class App:
         self._settled = 0
         self._wheeled = -1e9
         self._focus = ""
+        #: what to do once the window is there: opening a file takes the processor that the first frame wants
+        self.on_shown: Callable[[], None] | None = None
         #: panels whose tabs come to the front once a workspace is there
         self._front: tuple[str, ...] = ()
         self.params = self._make_params(size, remember_layout)
@@ -178,6 +181,9 @@ class App:
         """Another language for the interface, at once; windows keep their places."""
         self._language = language
         doors.apply(language)
+        if strings.language() == "zh" and cjk_font() is None and not self.null_platform:
+            self.ui.session.messages.warn("There is no font with Chinese glyphs: it stays English", hint=HINT)
+            doors.apply("en")
         for panel, window in zip(self.panels, self.params.docking_params.dockable_windows, strict=True):
             window.label = panel.label
 
@@ -247,7 +253,10 @@ class App:
             session.end_gesture()
         recovering.keep(session)
         self.ui.drawn += 1
-        if self.frames:
+        if self.ui.drawn > 1 and self.on_shown is not None:
+            begin, self.on_shown = self.on_shown, None
+            begin()
+        elif self.frames and self.on_shown is None:
             self._count_frames()
 
     def _requests(self) -> None:

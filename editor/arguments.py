@@ -1,5 +1,5 @@
-"""Argument: what an operation takes, declared once: checked in scripts and the console, asked for in the palette, listed
-in the docs, and made up by the fuzzer. No imgui."""
+"""Argument: what an operation takes, declared once: checked in scripts and the console, asked for in the palette,
+listed in the docs, and made up by the fuzzer. No imgui."""
 
 from __future__ import annotations
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import os
 import sys
+from functools import partial
 from pathlib import Path
 
 from engine.core.errors import DeviceError, InputError, UsageError
@@ -56,13 +57,17 @@ def run(args: argparse.Namespace) -> int:
         session.recovery_folder = journal.recovery_dir()
         session.ui.recoveries = journal.pending()
     app = App(
-        session, builtin_operations(), size=size, frames=args.frames if picture else 0, remember_layout=not picture,
+        session,
+        builtin_operations(),
+        size=size,
+        frames=args.frames if picture else 0,
+        remember_layout=not picture,
         plugins=not args.no_plugins,
     )
     if args.path is not None:
-        session.open(args.path)
+        app.on_shown = partial(session.open, args.path)
     elif not picture and not session.preferences.welcome_seen:
-        welcome.greet(session)
+        app.on_shown = partial(welcome.greet, session)
     app.run()
     if picture:
         from imgui_bundle import hello_imgui

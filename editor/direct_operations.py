@@ -79,7 +79,8 @@ def add_direct_operations(ops: Operations) -> None:
         enabled=sel, about="The selected nodes keep their places in the world")  # fmt: skip
     add("edit.set", "Set a value", _set, Argument("table", "enum", choices=_tables), Argument("column", "text"),
         Argument("value", "value"), Argument("rows", "value", None, doc="rows of the table; None: of the selection"),
-        sample=_sample_set, about="A column of any table: nodes, lights, cameras, materials, environment, look")  # fmt: skip
+        sample=_sample_set,
+        about="A column of any table: nodes, lights, cameras, materials, environment, look")  # fmt: skip
 
     add("view.look", "Look from and at", _look, Argument("eye", "vec3", unit="m"), Argument("target", "vec3", unit="m"),
         Argument("fov", "float", 0.0, 0.0, 170.0, unit="deg", doc="vertical; 0 keeps it"),
@@ -185,9 +186,7 @@ def _rows(session: Session, table: str) -> list[int]:
     return [0]
 
 
-def _look(
-    session: Session, eye: tuple[float, float, float], target: tuple[float, float, float], fov: float
-) -> None:
+def _look(session: Session, eye: tuple[float, float, float], target: tuple[float, float, float], fov: float) -> None:
     distance = math.dist(eye, target)
     if distance <= 1e-9:
         raise UsageError("eye and target are the same point", hint="give two points that are apart")

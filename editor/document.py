@@ -12,13 +12,14 @@ from numpy.typing import NDArray
 
 from editor.bookmark_table import BOOKMARKS, BookmarkTable, of_asset
 from editor.camera_controls import OrbitCamera
-from editor.commands.command import Command, Edit
+from editor.commands.command import Command, Edit, Said
 from editor.commands.history import History
 from editor.commands.lights import follow_drifts
 from editor.commands.replacement import FileStep, Replacement
 from editor.commands.structure import StructureCommand
 from editor.host import Resolved, Runtime, box_corners
 from editor.tables import make_command, tables_of
+from engine.core.errors import LucarnaError
 
 #: parts whose real boxes are looked at one by one; above, their bounding spheres serve
 EXACT_LIMIT = 200
@@ -93,9 +94,7 @@ class Document:
         """Set `column` of `rows` to `values` as one undoable command (see History for `gesture`)."""
         command = make_command(self.tables, table, column, rows, values, label)
         if not command.of_view:
-            pairs = ((part, row) for part in command.column.split(",") for row in command.rows)
-            unsaid = tuple((part, row) for part, row in pairs if (table, part, row) not in self.overrides)
-            command = replace(command, unsaid=(unsaid, ()))
+            command = replace(command, said=(self._said(table, command.column, command.rows), ()))
         self.history.do(command, gesture)
 
     @property
@@ -223,6 +222,19 @@ class Document:
         """Live child rows of `row` (-1: the roots), in table order."""
         return self._children().get(row, [])
 
+    def _said(self, table: str, column: str, rows: Sequence[int]) -> Said:
+        """What the overrides hold of each row in the columns that `column` overlaps, the latest last."""
+        columns = overlapping(table, column)
+        own: dict[int, list[tuple[str, Any]]] = {row: [] for row in rows}
+        if len(columns) * len(own) < len(self.overrides) and table != "nodes":  # no order to keep
+            keys = ((table, name, row) for row in own for name in columns)
+            found = ((key, self.overrides[key]) for key in keys if key in self.overrides)
+        else:
+            found = ((k, v) for k, v in self.overrides.items() if k[0] == table and k[1] in columns and k[2] in own)
+        for key, value in found:
+            own[key[2]].append((key[1], value))
+        return tuple(tuple(own[row]) for row in rows)
+
     def _kept(self, table: str, column: str, row: int, value: Any) -> Any:
         """`value`, or what the table made of one that lights and cameras cannot have: what shows is what is saved."""
         if table not in ("lights", "cameras"):
@@ -241,7 +253,11 @@ class Document:
             follow_drifts(self)
             return
         assert isinstance(edit, Command)
-        self.tables[edit.table].write(edit.column, edit.rows, edit.after)
+        try:
+            self.tables[edit.table].write(edit.column, edit.rows, edit.after)
+        except LucarnaError:  # the rows before the one that refused took it already
+            self.tables[edit.table].write(edit.column, edit.rows, edit.before)
+            raise
         if edit.of_view:
             return
         columns = edit.column.split(",")
@@ -249,7 +265,19 @@ class Document:
             for column, part in zip(columns, value if len(columns) > 1 else (value,), strict=True):
                 key = (edit.table, column, row)
                 self.overrides.pop(key, None)  # the latest comes last: "local" and its parts overlap
-                if (column, row) not in edit.unsaid[1]:
-                    self.overrides[key] = self._kept(edit.table, column, row, part)
+                self.overrides[key] = self._kept(edit.table, column, row, part)
+        for row, said in zip(edit.rows, edit.said[1], strict=False):
+            for column in overlapping(edit.table, edit.column):
+                self.overrides.pop((edit.table, column, row), None)
+            self.overrides.update({(edit.table, column, row): value for column, value in said})
         if edit.table == "nodes":
             self.runtime.scene.update()
+
+
+#: of a node: each says something of the same place, and the latest counts
+PLACE = ("translation", "rotation", "scale", "local")
+
+
+def overlapping(table: str, column: str) -> tuple[str, ...]:
+    """The columns whose overrides an edit of `column` replaces or goes before."""
+    return PLACE if table == "nodes" and column in PLACE else tuple(column.split(","))

@@ -1,7 +1,7 @@
 """The documents that are made from the registries: `python -m editor.documentation` writes them, `--check` compares.
 
-    docs/features.md      what one expects of an editor, and where it is: menu, key, palette, panel, command line
-    docs/operations.md    every operation with its keys and arguments
+docs/features.md      what one expects of an editor, and where it is: menu, key, palette, panel, command line
+docs/operations.md    every operation with its keys and arguments
 """
 
 from __future__ import annotations
@@ -73,7 +73,12 @@ def operations_text(operations: Operations) -> str:
         part = operation.id.split(".")[0]
         if part != group:
             group = part
-            lines += [f"## {part}", "", "| Operation | Label | Menu | Keys | Arguments | |", "|---|---|---|---|---|---|"]
+            lines += [
+                f"## {part}",
+                "",
+                "| Operation | Label | Menu | Keys | Arguments | |",
+                "|---|---|---|---|---|---|",
+            ]
         lines.append(_operation_row(operation))
         following = [o for o in sorted(operations, key=lambda o: o.id.split(".")[0]) if o.id.split(".")[0] == part]
         if operation is following[-1]:

@@ -23,7 +23,9 @@ class Feature:
     first: bool = False
 
 
-def _f(name: str, operations: str = "", panels: str = "", commands: str = "", motions: str = "", **more: str) -> Feature:
+def _f(
+    name: str, operations: str = "", panels: str = "", commands: str = "", motions: str = "", **more: str
+) -> Feature:
     return Feature(
         name, tuple(operations.split()), tuple(p for p in panels.split(", ") if p), tuple(commands.split()),
         tuple(motions.split()), more.get("more", ""), more.get("missing", ""), bool(more.get("first")),
@@ -31,11 +33,13 @@ def _f(name: str, operations: str = "", panels: str = "", commands: str = "", mo
 
 
 FEATURES = (
-    _f("Import a dropped folder or file, with a card and a report", "file.open file.open-path file.import-card import.scale-down import.z-up import.flip-green", "Assets, Log",
+    _f("Import a dropped folder or file, with a card and a report", "file.open file.open-path "
+       "file.import-card import.scale-down import.z-up import.flip-green", "Assets, Log",
        "convert check inspect", first="1", more="drop a file or a folder on the window"),
     _f("The command line does what the window does", "file.copy-command file.copy-script", "Console",
        "run render convert export", first="1"),
-    _f("View strip: exposure, tone map, environment", "look.scene look.blender look.khronos look.aces look.raw view.reset-settings view.set", "Viewport, Render settings",
+    _f("View strip: exposure, tone map, environment", "look.scene look.blender look.khronos look.aces "
+       "look.raw view.reset-settings view.set", "Viewport, Render settings",
        "render", first="1", more="always above the picture"),
     _f("HDR environments, turned by a drag", "edit.set", "Viewport, Inspector", "render", "environment", first="1"),
     _f("Debug views on number keys",
@@ -75,7 +79,8 @@ FEATURES = (
     _f("Search and filters", "help.palette", "Scene, Assets, Log"),
     _f("Editing many at once", "edit.set", "Inspector", "run"),
     _f("Thumbnails of assets", "", "Assets"),
-    _f("Material edits survive a new import", "file.reimport file.reimport-on-change material.only_object", "Assets, Inspector", "convert"),
+    _f("Material edits survive a new import", "file.reimport file.reimport-on-change material.only_object",
+       "Assets, Inspector", "convert"),
     _f("Material editor with a preview", "material.preview material.copy material.paste shader.effect shader.material",
        "Inspector, Material preview, BRDF explorer", "inspect"),
     _f("Variants of shaders, and what their features change", "shader.variants view.measure-features", "Variants",
@@ -117,7 +122,7 @@ FEATURES = (
     _f("Screen readers", "", "", "check render run", more="the command line is the accessible way",
        missing="the interface says nothing to screen readers"),
     _f("Display in high dynamic range", missing="the picture goes out with 8 bits a channel"),
-    _f("The viewport on macOS", commands="convert check", missing="OpenGL ends at 4.1 there: commands without pictures"),
+    _f("The viewport on macOS", commands="convert check", missing="OpenGL ends at 4.1 there: no pictures"),
     _f("English and Chinese", "help.language-en help.language-zh", "Preferences"),
     _f("Keys, hints and help", "help.keys help.welcome file.open-sample"),
 )  # fmt: skip

@@ -1,7 +1,7 @@
 """The system's font with Chinese, Japanese and Korean glyphs; they are too many to ship. No imgui.
 
 LUCARNA_FONT names a file of one's own. Windows and macOS bring one; on Linux it is a package such as fonts-noto-cjk or
-fonts-wqy-microhei. `lucarna doctor` says which is used.
+fonts-wqy-microhei. Without one the interface stays English, and the log says so.
 """
 
 from __future__ import annotations

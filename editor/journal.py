@@ -281,7 +281,7 @@ def edit_to_plain(edit: Edit) -> dict[str, Any]:
     assert isinstance(edit, Command)
     return {
         "table": edit.table, "column": edit.column, "rows": edit.rows, "before": edit.before, "after": edit.after,
-        "label": edit.label, "unsaid": edit.unsaid,
+        "label": edit.label, "said": edit.said,
     }  # fmt: skip
 
 
@@ -297,8 +297,13 @@ def edit_from_plain(data: Mapping[str, Any], document: Document) -> Edit:
         return StructureCommand(ScenePatch(before, after), (first, second), (old, new), label, made_by, loads)
     rows = tuple(int(r) for r in data["rows"])
     return Command(
-        str(data["table"]), str(data["column"]), rows, _tuples(data["before"]), _tuples(data["after"]), data["label"],
-        _tuples(data.get("unsaid", [[], []])),
+        str(data["table"]),
+        str(data["column"]),
+        rows,
+        _tuples(data["before"]),
+        _tuples(data["after"]),
+        data["label"],
+        _tuples(data.get("said", [[], []])),
     )
 
 

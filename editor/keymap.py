@@ -1,6 +1,6 @@
-"""Keymap: which keys run which operation: a preset, and over it what the user changed, kept as the difference. No imgui.
+"""Keymap: which keys run which operation: a preset, and over it the user's changes, kept as the difference. No imgui.
 
-    operation's own keys ─► preset ─► the user's changes ─► Operations.rebound ─► menu, palette, keys, help card
+operation's own keys ─► preset ─► the user's changes ─► Operations.rebound ─► menu, palette, keys, help card
 """
 
 from __future__ import annotations

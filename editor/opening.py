@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import os
 import threading
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Generic, TypeVar
 
 from editor.host import Cancelled, Host, Progress, Resolved
 from engine.core.errors import InputError, LucarnaError
+
+Result = TypeVar("Result")
 
 #: folders that never hold what a user means to open
 SKIPPED_FOLDERS = {".git", ".cache", "__pycache__", "node_modules", ".venv"}
@@ -85,18 +88,19 @@ def pick_from_folder(folder: Path, extensions: Sequence[str]) -> Path:
     return best[1]
 
 
-class OpenJob:
-    """Resolves `path` in a thread. Poll `done`; then either `result` or `error` is set, or neither when cancelled."""
+class Job(Generic[Result]):
+    """Does `work(progress)` in a thread. Poll `done`; then either `result` or `error` is set, or neither when
+    cancelled. `path`: what it is about."""
 
-    def __init__(self, host: Host, path: Path) -> None:
+    def __init__(self, path: Path, text: str, work: Callable[[Progress], Result]) -> None:
         self.path = path
-        self.text = f"Opening {path.name}"
+        self.text = text
         self.fraction = -1.0
-        self.result: Resolved | None = None
+        self.result: Result | None = None
         self.error: LucarnaError | None = None
         self.cancelled = False
-        self._host = host
-        self._thread = threading.Thread(target=self._run, name="open", daemon=True)
+        self._work = work
+        self._thread = threading.Thread(target=self._run, name=text, daemon=True)
         self._thread.start()
 
     @property
@@ -117,7 +121,7 @@ class OpenJob:
 
     def _run(self) -> None:
         try:
-            self.result = self._host.resolve(self.path, self._progress)
+            self.result = self._work(self._progress)
         except Cancelled:
             pass
         except LucarnaError as error:
@@ -128,3 +132,10 @@ class OpenJob:
             self.error = LucarnaError(f"internal error: {type(error).__name__}: {error}", where=self.path)
         if self.cancelled:
             self.result = self.error = None
+
+
+class OpenJob(Job[Resolved]):
+    """Resolves `path` in a thread."""
+
+    def __init__(self, host: Host, path: Path) -> None:
+        super().__init__(path, f"Opening {path.name}", lambda progress: host.resolve(path, progress))

@@ -138,7 +138,11 @@ class Operations:
         order, best match first."""
         scored = []
         for operation in self:
-            labels = {f"{operation.menu} {operation.label}", f"{tr(operation.menu)} {tr(operation.label)}", operation.id}
+            labels = {
+                f"{operation.menu} {operation.label}",
+                f"{tr(operation.menu)} {tr(operation.label)}",
+                operation.id,
+            }
             scores = [match_score(text, label.strip()) for label in labels]
             score = min((s for s in scores if s is not None), default=None)
             if score is not None and operation.enabled(session):

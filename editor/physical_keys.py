@@ -1,5 +1,5 @@
-"""Keys by their place on the keyboard, whatever letters a layout puts there: what is W on an American keyboard is Z on a
-French one, and flies forward on both. Asked of the window's library; where it is another, letters are taken as they are.
+"""Keys by their place on the keyboard, whatever letters a layout puts there: what is W on an American keyboard is Z on
+a French one, and flies forward on both. Asked of the window's library; where it is another, letters stay as they are.
 """
 
 from __future__ import annotations

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from editor import prefabs
+from editor import prefab_updates, prefabs
 from editor.arguments import Argument
 from editor.operations import Operation, Operations
 from editor.prefabs import is_instance
@@ -24,9 +24,9 @@ def add_prefab_operations(ops: Operations) -> None:
 
     add("prefab.make", "Make a prefab of the selection", lambda s: void(prefabs.make(s)), enabled=_has_selection,
         first=True, about="A file of its own in prefabs/, and an instance of it in the selection's place")  # fmt: skip
-    add("prefab.revert", "Revert the instance to its prefab", lambda s: void(prefabs.revert(s)), enabled=is_instance,
+    add("prefab.revert", "Revert the instance to its prefab", _revert, enabled=is_instance,
         about="All that it has of its own goes, but for its place")  # fmt: skip
-    add("prefab.apply", "Apply the instance to its prefab", lambda s: void(prefabs.apply(s)), enabled=is_instance,
+    add("prefab.apply", "Apply the instance to its prefab", _apply, enabled=is_instance,
         about="What it has of its own becomes the prefab's, and all instances follow")  # fmt: skip
     add("prefab.open", "Open the prefab of the instance", _open, enabled=is_instance,
         about="In a tab of its own; saving it changes all instances")  # fmt: skip
@@ -42,6 +42,14 @@ def add_prefab_operations(ops: Operations) -> None:
             doc="An instance of it, where it is said",
         )
     )  # fmt: skip
+
+
+def _revert(session: Session) -> None:
+    prefab_updates.revert(session)
+
+
+def _apply(session: Session) -> None:
+    prefab_updates.apply(session)
 
 
 def _place(session: Session, path: Path, at: tuple[float, float, float]) -> None:

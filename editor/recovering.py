@@ -64,7 +64,8 @@ def recover(session: Session, recovery: Recovery) -> bool:
     open_one = tabs.find(session, document.source)
     session.adopt(document, beside=open_one >= 0 and session.tabs[open_one].document.dirty)
     try:
-        replay(document, recovery.path)
+        with session.device_frame():
+            replay(document, recovery.path)
     except LucarnaError as error:
         session.fail(error)
         return False

@@ -17,8 +17,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from editor import replacing, saving
-from editor.host import Cancelled
-from engine.core.errors import InputError, LucarnaError
+from editor.host import Progress
+from editor.opening import Job
+from engine.core.errors import LucarnaError
 from engine.core.findings import Findings
 from engine.core.paths import user_cache_dir
 from engine.scene.convert import parents_first
@@ -89,49 +90,19 @@ def save_record(document: Document, target: Path) -> list[Path]:
     return written
 
 
-class ImportJob:
-    """Imports a source in a thread. Poll `done`; then either `scene` or `error` is set, or neither when cancelled."""
+class ImportJob(Job[tuple[Path, Findings]]):
+    """Imports a source in a thread. `steps`: what happened beside it already; `asked`: by the user."""
 
     def __init__(self, document: Document, source: Path, label: str, steps: Steps, *, asked: bool) -> None:
-        self.document, self.source, self.label, self.steps, self.asked = document, source, label, steps, asked
-        self.text = f"Importing {source.name}"
-        self.fraction = -1.0
-        self.scene: Path | None = None
-        self.findings = Findings(str(source))
-        self.error: LucarnaError | None = None
-        self.cancelled = False
-        self._thread = threading.Thread(target=self._run, name="import", daemon=True)
-        self._thread.start()
+        self.document, self.label, self.steps, self.asked = document, label, steps, asked
+        super().__init__(source, f"Importing {source.name}", lambda progress: _import(source, progress))
 
-    @property
-    def done(self) -> bool:
-        return not self._thread.is_alive()
 
-    def cancel(self) -> None:
-        self.cancelled = True
+def _import(source: Path, progress: Progress) -> tuple[Path, Findings]:
+    from importers.cache import scene_for
+    from importers.settings import ImportSettings
 
-    def wait(self, seconds: float | None = None) -> None:
-        self._thread.join(seconds)
-
-    def _progress(self, text: str, fraction: float = -1.0) -> None:
-        if self.cancelled:
-            raise Cancelled
-        self.text, self.fraction = text, fraction
-
-    def _run(self) -> None:
-        from importers.cache import scene_for
-        from importers.settings import ImportSettings
-
-        try:
-            self.scene, self.findings = scene_for(self.source, settings=ImportSettings(), progress=self._progress)
-        except Cancelled:
-            pass
-        except LucarnaError as error:
-            self.error = error
-        except OSError as error:
-            self.error = InputError(error.strerror or str(error), where=error.filename or self.source)
-        except Exception as error:  # a defect in an importer must not cost what is open
-            self.error = LucarnaError(f"internal error: {type(error).__name__}: {error}", where=self.source)
+    return scene_for(source, settings=ImportSettings(), progress=progress)
 
 
 def welcome(session: Session, document: Document) -> None:
@@ -168,16 +139,16 @@ def poll(session: Session) -> None:
         return
     session.importing = None
     if job.error is not None:
-        session.messages.warn(f"{job.source.name} was not imported again; what is open stays as it was")
+        session.messages.warn(f"{job.path.name} was not imported again; what is open stays as it was")
         _back(session, job)
         session.fail(job.error)
-    elif job.scene is not None and job.document is session.document and not job.cancelled:
-        _take(session, job, job.document, job.scene)
+    elif job.result is not None and job.document is session.document:
+        _take(session, job, job.document, *job.result)
     else:
         _back(session, job)
 
 
-def _take(session: Session, job: ImportJob, document: Document, new_scene: Path) -> None:
+def _take(session: Session, job: ImportJob, document: Document, new_scene: Path, findings: Findings) -> None:
     from importers.reimport.merging import merge_import
 
     last = last_import(document)
@@ -188,7 +159,7 @@ def _take(session: Session, job: ImportJob, document: Document, new_scene: Path)
             if job.steps != (_nothing, _nothing):
                 _back(session, job)
             if job.asked:
-                session.ui.notice = f"{job.source.name}: nothing has changed"
+                session.ui.notice = f"{job.path.name}: nothing has changed"
             return
         ours = saving.current_scene(document)
         unsaved = saving.edited_materials(document.runtime.residency, document.overrides)
@@ -197,22 +168,22 @@ def _take(session: Session, job: ImportJob, document: Document, new_scene: Path)
         scene, report = merge_import(last, new_scene, ours, origin_of(document, last), folder, unsaved)
         saved_to = document.saved_to or (None if _cached(document.scene_path) else document.scene_path)
         replacing.replace_scene(
-            session, document, scene, job.label, findings=job.findings, steps=once(job.steps), saved_to=saved_to,
+            session, document, scene, job.label, findings=findings, steps=once(job.steps), saved_to=saved_to,
             imported_from=last.source,
         )  # fmt: skip
     except LucarnaError as error:
         _back(session, job)
-        session.messages.warn(f"{job.source.name} was not imported again; what is open stays as it was")
+        session.messages.warn(f"{job.path.name} was not imported again; what is open stays as it was")
         session.fail(error)
         return
-    document.news = ImportNews(last.source, job.findings, report, list(report.orphans))
-    _tell(session, job, report)
+    document.news = ImportNews(last.source, findings, report, list(report.orphans))
+    _tell(session, job, report, findings)
 
 
-def _tell(session: Session, job: ImportJob, report: Report) -> None:
+def _tell(session: Session, job: ImportJob, report: Report, findings: Findings) -> None:
     """Every decision is in the log; what found no place, as a warning each."""
-    session.messages.findings(job.findings)
-    where = str(job.source)
+    session.messages.findings(findings)
+    where = str(job.path)
     for line in report.orphans:
         session.messages.warn(f"Orphan: {line}", where=where, code="import.orphan")
     for line in report.conflicts:
@@ -266,7 +237,10 @@ class SourceWatch:
         self.wake: Callable[[], None] = lambda: None
         self._document: Any = None
         self._source: Path | None = None
-        self._stamps: dict[Path, tuple[int, int]] = {}
+        #: source -> how the files that it is made of were, also of documents behind
+        self._stamps: dict[Path, dict[Path, tuple[int, int]]] = {}
+        #: of the last import of the present source
+        self._hash = ""
         self._due = threading.Event()
         self._stop = False
         self._thread: threading.Thread | None = None
@@ -276,7 +250,8 @@ class SourceWatch:
         source = document.imported_from
         if document is not self._document or source != self._source:
             self._document, self._source = document, source
-            self._stamps = {}
+            last = last_import(document) if source is not None and source not in self._stamps else None
+            self._hash = last.scene.provenance.get("source_hash", "") if last is not None else ""
             self._due.clear()
         if source is None:
             return False
@@ -294,13 +269,20 @@ class SourceWatch:
         self._stop, self._document, self._source = True, None, None
 
     def look(self) -> bool:
-        """Compare the files with how they were; the first look at a source only remembers."""
+        """Compare the files with how they were; at the first look, the source with what was imported."""
         source = self._source
         if source is None:
             return False
         now = {path: stamp_of(path) for path in watched(source)}
-        before, self._stamps = self._stamps, now
-        return bool(before) and before != now and source == self._source and source.is_file()
+        before = self._stamps.get(source)
+        self._stamps[source] = now
+        if before is None:
+            from importers.fingerprint import digest_or_missing
+
+            other = bool(self._hash) and digest_or_missing(source) != self._hash
+        else:
+            other = before != now
+        return other and source == self._source and source.is_file()
 
     def _run(self) -> None:
         while not self._stop:

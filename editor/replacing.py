@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 def watch(session: Session, document: Document) -> None:
     """Let the session follow when the scene under `document` becomes another one."""
     document.on_replaced = lambda: follow(session, document)
-    document.history.on_dropped = lambda edits: release(document, edits)
+    document.history.on_dropped = lambda edits: release(session, document, edits)
     set_view_table(session, document)
 
 
@@ -70,7 +70,7 @@ def replace_scene(
         raise
     found = [i for i, e in enumerate(document.history.entries) if isinstance(e, Replacement)]
     if len(found) > LIMIT:
-        release(document, document.history.forget(found[-LIMIT - 1] + 1))
+        release(session, document, document.history.forget(found[-LIMIT - 1] + 1))
 
 
 def unsaved_materials(document: Document) -> dict[Path, dict[str, Any]]:
@@ -124,16 +124,18 @@ def follow(session: Session, document: Document) -> None:
         session.journal.rebase()
 
 
-def release(document: Document, edits: list[Edit]) -> None:
+def release(session: Session, document: Document, edits: list[Edit]) -> None:
     """Close the runtimes that only `edits`, now forgotten, would have brought back."""
     kept = {id(document.runtime)}
     for edit in (*document.history.entries, *document.history.undone):
         if isinstance(edit, Replacement):
             kept.update(id(r) for r in edit.runtimes)
     gone = {id(r): r for edit in edits if isinstance(edit, Replacement) for r in edit.runtimes}
-    for key, runtime in gone.items():
-        if key not in kept:
-            runtime.close()
+    closing = [runtime for key, runtime in gone.items() if key not in kept]
+    if closing:
+        with session.device_frame():
+            for runtime in closing:
+                runtime.close()
 
 
 def _same_names(document: Document, runtime: Any, rows: Any) -> tuple[int, ...]:

@@ -1,10 +1,10 @@
 """The names that scripts and the Python console have: the session's operations and tables. No imgui.
 
-    open_file(path)  save(path=None)  close()     documents; open_file waits until it is there
-    run(id, **arguments)                          any operation: see operations() and docs/operations.md
-    select(*nodes)  selection()  node(name)       nodes by name or row
-    edit(table, column, rows, values)             one undoable edit; rows may be names of nodes
-    undo()  redo()  document()  scene()  is_open()  operations()  session  animation  np
+open_file(path)  save(path=None)  close()     documents; open_file waits until it is there
+run(id, **arguments)                          any operation: see operations() and docs/operations.md
+select(*nodes)  selection()  node(name)       nodes by name or row
+edit(table, column, rows, values)             one undoable edit; rows may be names of nodes
+undo()  redo()  document()  scene()  is_open()  operations()  session  animation  np
 """
 
 from __future__ import annotations
@@ -21,9 +21,7 @@ from editor.session import Session
 from engine.core.errors import InputError, UsageError
 
 
-def script_names(
-    session: Session, operations: Operations, finish: Callable[[], None] | None = None
-) -> dict[str, Any]:
+def script_names(session: Session, operations: Operations, finish: Callable[[], None] | None = None) -> dict[str, Any]:
     """Name -> what it is. `finish` waits for what an operation began and raises what went wrong with it; without it
     a window goes on with that between its frames."""
 

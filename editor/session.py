@@ -7,7 +7,7 @@ from collections.abc import Callable, Hashable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from editor import dropping, prefabs, recovering, reimporting, replacing, saving, tabs, work
+from editor import dropping, prefab_updates, recovering, reimporting, replacing, saving, tabs, work
 from editor.animating import following
 from editor.animating.view import AnimatingView
 from editor.commands.command import VIEW_TABLE
@@ -47,7 +47,7 @@ class Session(Looking):
         work.step(self)
         self._take_over()
         reimporting.poll(self)
-        prefabs.poll(self)
+        prefab_updates.poll(self)
         dropping.go_on(self)
 
     def _take_over(self) -> None:

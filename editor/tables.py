@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import fields
 from typing import Any, Protocol
 
 import numpy as np
@@ -138,7 +139,14 @@ class AssetTable:
 
     def write(self, column: str, rows: Sequence[int], values: Sequence[Any]) -> None:
         for row, value in zip(rows, values, strict=True):
+            before = self._table.asset(row)
             self._table.set(row, **{column: value})
+            after = self._table.asset(row)
+            names = [f.name for f in fields(before) if f.name != column]
+            moved = [n for n in names if getattr(before, n) != getattr(after, n)]
+            if moved and column != "type":  # what cannot be together; undo would bring back one of them only
+                self._table.set(row, **{f.name: getattr(before, f.name) for f in fields(before)})
+                raise InputError(f"{column} {value} does not go with {moved[0]} {getattr(before, moved[0])}")
 
 
 class RecordTable:
@@ -337,9 +345,10 @@ def make_command(
             check_value(table, name, part)
     if table == "nodes" and column in ("rotation", "scale"):
         now = tables[table].read("local", rows)
-        if any(local[3] is not None for local in now):  # a matrix that no rotation and scale can say: undo needs it all
+        if any(local[3] is not None for local in now):  # a matrix that no rotation and scale can say
             place = LOCAL_PARTS.index(column)
-            values = [(*part[:place], value, *part[place + 1 : 3], None) for part, value in zip(now, values, strict=True)]
+            pairs = zip(now, values, strict=True)
+            values = [(*part[:place], value, *part[place + 1 : 3], None) for part, value in pairs]
             column = "local"
     if table == "nodes" and column in ("rotation", "local"):
         values = [_with_unit_rotation(column, value) for value in values]

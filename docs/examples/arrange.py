@@ -1,5 +1,6 @@
 """Put copies of a node in a row and light them: lucarna run docs/examples/arrange.py SCENE NODE OUT.scene.json"""
 
+# ruff: noqa: F821  (the names that are not defined here are those of scripts, see docs/scripting.md)
 import sys
 
 if len(sys.argv) != 4:

@@ -46,6 +46,6 @@ def register(plugin: Plugin) -> None:
     plugin.operation(
         "node-counter.select", "Select nodes of one kind", select_kind,
         enabled=lambda session: session.document is not None,
-        arguments=(Argument("kind", "enum", choices=lambda session: tuple(kinds(session)), doc="a name, without number"),),
+        arguments=(Argument("kind", "enum", choices=lambda session: tuple(kinds(session)), doc="a name, no number"),),
         doc="All that have the name, whatever their number",
     )  # fmt: skip

@@ -40,7 +40,9 @@ def load(path: Path, settings: ImportSettings) -> ImportedModel:
     normal[:, :3] = np.rint(np.repeat(flat, 3, axis=0) * 32767)
     low, high = position.min(axis=0).tolist(), position.max(axis=0).tolist()
     part = Submesh(0, len(position), 0, "triangles", tuple(low), tuple(high))
-    mesh = MeshAsset(path.stem, {"position": position, "normal": normal}, np.arange(len(position), dtype=np.uint32), [part])
+    mesh = MeshAsset(
+        path.stem, {"position": position, "normal": normal}, np.arange(len(position), dtype=np.uint32), [part]
+    )
     node = NodeAsset(path.stem, mesh=MeshRef("", 0, path.stem))
     return ImportedModel(path.stem, Findings(str(path)), [mesh], [[-1]], nodes=[node])
 

@@ -9,6 +9,10 @@ from typing import Any, Protocol
 VIEW_TABLE = "settings"
 
 
+#: for each row (column, value) pairs
+Said = tuple[tuple[tuple[str, Any], ...], ...]
+
+
 class Edit(Protocol):
     """What the history keeps: a Command, or another kind of change with the same surface."""
 
@@ -27,8 +31,9 @@ class Edit(Protocol):
 class Command:
     """`before[i]` and `after[i]` are the values of `column` in row `rows[i]`: numbers, strings or tuples of them.
 
-    `unsaid`: (before, after): the (column, row) whose value was nobody's, as it was in the file or as a clip had moved
-    it; there undo must not leave a value behind that saving would write down."""
+    `said`: (before, after): what the user had said of each row before, as (column, value) in the order it was said,
+    which is not what was there when nobody had said anything or a clip had moved it since. So undo leaves nothing
+    behind that saving would write down. () is: as the command says."""
 
     table: str
     column: str
@@ -36,7 +41,7 @@ class Command:
     before: tuple[Any, ...]
     after: tuple[Any, ...]
     label: str = ""
-    unsaid: tuple[tuple[tuple[str, int], ...], tuple[tuple[str, int], ...]] = ((), ())
+    said: tuple[Said, Said] = ((), ())
 
     def __post_init__(self) -> None:
         assert len(self.rows) == len(self.before) == len(self.after), "one value before and after for each row"
@@ -55,7 +60,7 @@ class Command:
         return self.table == VIEW_TABLE
 
     def inverse(self) -> Command:
-        return replace(self, before=self.after, after=self.before, unsaid=self.unsaid[::-1])
+        return replace(self, before=self.after, after=self.before, said=self.said[::-1])
 
     def followed_by(self, later: Command) -> Command:
         """This command and then `later` on the same target, as one."""

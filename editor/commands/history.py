@@ -39,6 +39,8 @@ class History:
         merges = gesture is not None and gesture == self._gesture and self._done[-1].target == command.target
         if not command.changes:
             return
+        if not merges:
+            self._settle()
         self._write(command)
         self.revision += 1
         if merges:
@@ -47,7 +49,6 @@ class History:
                 self._saved = None
             self._tell("do", command, gesture)
             return
-        self._settle()
         if self._saved is not None and self._saved > len(self._done):
             self._saved = None  # the saved state was in the branch that this edit cuts off
         dropped = self._undone[:]
@@ -167,4 +168,5 @@ class History:
             return
         self._gesture = None
         if self._done and not self._done[-1].changes:
-            self._done.pop()
+            # it ended where it began, and also what was said of it is what it was (see Command.said)
+            self._write(self._done.pop().inverse())

@@ -1,4 +1,4 @@
-"""Asks for what an operation takes, when it was chosen in the palette: one widget for each argument, from its declaration."""
+"""Asks for what an operation takes that was chosen in the palette: a widget for each argument, by its declaration."""
 
 from __future__ import annotations
 

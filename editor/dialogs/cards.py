@@ -12,7 +12,7 @@ from editor.keys import shown_shortcut
 from editor.navigation import PRESETS, hints
 from editor.preferences import THEMES
 from editor.ui import Ui
-from editor.widgets import bold, em, pretty, property_grid, property_text, text
+from editor.widgets import bold, em, own_text, pretty, property_grid, property_text, text
 from engine import __version__
 
 
@@ -131,7 +131,7 @@ class HelpCard:
                 imgui.table_next_row()
                 for operation in rows[i::half]:
                     imgui.table_next_column()
-                    text("  ".join(map(shown_shortcut, ui.operations.keys_of(operation))), theme.ACCENT)
+                    own_text("  ".join(map(shown_shortcut, ui.operations.keys_of(operation))), theme.ACCENT)
                     imgui.table_next_column()
                     imgui.text_unformatted(operation.label)
             imgui.end_table()

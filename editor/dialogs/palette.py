@@ -9,7 +9,7 @@ from editor.keys import shown_shortcut
 from editor.operations import Operation
 from editor.strings import tr
 from editor.ui import Ui
-from editor.widgets import em, text
+from editor.widgets import em, own_text, text
 
 NAME = "###palette"
 ROWS = 12
@@ -68,5 +68,5 @@ class Palette:
         keys = "   ".join(map(shown_shortcut, ui.operations.keys_of(operation)))
         if keys:
             imgui.same_line(imgui.get_window_width() - imgui.calc_text_size(keys).x - em(1.0))
-            text(keys, theme.DIM)
+            own_text(keys, theme.DIM)
         return clicked

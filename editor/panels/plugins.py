@@ -30,7 +30,9 @@ class PluginsPanel(Panel):
             empty_state(icons.PLUGIN, tr("Plug-ins are not loaded"), tr("The editor was started with --no-plugins"))
             return
         if not manager.plugins:
-            empty_state(icons.PLUGIN, tr("No plug-ins"), tr("Files in a project's plugins folder, or installed packages"))
+            empty_state(
+                icons.PLUGIN, tr("No plug-ins"), tr("Files in a project's plugins folder, or installed packages")
+            )
             return
         for loaded in list(manager.plugins):
             imgui.push_id(loaded.name)

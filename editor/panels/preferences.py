@@ -1,4 +1,4 @@
-"""Preferences: language, size of the interface, and the keymap: presets, search, new keys, conflicts, import, export."""
+"""Preferences: language, size of the interface, and the keymap: presets, search, binding, conflicts, files."""
 
 from __future__ import annotations
 
@@ -99,17 +99,18 @@ class PreferencesPanel(Panel):
             imgui.end_table()
 
     def rows(self, ui: Ui) -> list[Operation]:
-        """The operations that the search finds, by label, its translation, or key."""
-        found = []
+        """The operations that the search finds, by label, its translation, or key; the best first."""
+        found: list[tuple[float, Operation]] = []
         for operation in ui.operations:
             if self.changed_only and operation.id not in ui.keymap.changes:
                 continue
             keys = ui.operations.keys_of(operation)
             words = f"{operation.menu} {operation.label} {tr(operation.label)} {operation.id}"
             by_key = self.needle.lower() in (key.lower() for key in keys)
-            if not self.needle or by_key or match_score(self.needle, words) is not None:
-                found.append(operation)
-        return found
+            score = 0.0 if by_key else match_score(self.needle, words)
+            if score is not None:
+                found.append((score if self.needle else 0.0, operation))
+        return [operation for _score, operation in sorted(found, key=lambda entry: entry[0])]
 
     def _row(self, ui: Ui, operation: Operation) -> None:
         imgui.push_id(operation.id)

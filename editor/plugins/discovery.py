@@ -1,4 +1,4 @@
-"""Which plug-ins there are: installed ones by entry point, a project's by its `plugins/` folder. Nothing is run here."""
+"""Which plug-ins there are: installed ones by entry point, a project's by its `plugins/` folder. Nothing runs here."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def of_project(root: Path) -> list[Found]:
     folder = root / FOLDER
     if not folder.is_dir():
         return []
-    files = [p for p in folder.glob("*.py")] + [p / "__init__.py" for p in folder.iterdir() if p.is_dir()]
+    files = list(folder.glob("*.py")) + [p / "__init__.py" for p in folder.iterdir() if p.is_dir()]
     named = {(p.parent.name if p.name == "__init__.py" else p.stem): p for p in sorted(files) if p.is_file()}
     return [Found(name, path) for name, path in sorted(named.items()) if not name.startswith(("_", "."))]
 

@@ -47,7 +47,7 @@ class PluginWindow:
 
 
 class PluginManager:
-    """`active` False (`--no-plugins`): none is looked for. Trusted projects and what is switched off are preferences."""
+    """`active` False (`--no-plugins`): none is looked for. Trusted projects and what is off are preferences."""
 
     def __init__(self, session: Session, operations: Operations, *, active: bool = True) -> None:
         self.session, self.operations, self.active = session, operations, active

@@ -62,7 +62,9 @@ class TrustModal:
         else:
             with bold(ui):
                 imgui.text_unformatted(f"{icons.WARNING}  {tr('This project brings plug-ins')}")
+            imgui.push_text_wrap_pos(0.0)
             text(tr("They are programs, and can do what you can do. Run them only if you trust where they come from."))
+            imgui.pop_text_wrap_pos()
             for loaded in manager.plugins:
                 if loaded.state == "waits":
                     fitted_text(loaded.found.source, theme.DIM)

@@ -1,7 +1,7 @@
 """The words of the interface in other languages: English in the code is the key, `LANGUAGE.toml` beside this has the
 translation; what has none stays English.
 
-    widgets, menus, panels ─► imgui ◄─ doors.py: the labels that pass are translated on their way, where it is not English
+    widgets, menus, panels ─► imgui ◄─ doors.py: labels are translated on their way, where it is not English
                                             |
     tr("Select all") ◄──────────────────────┴─ table: "Select all" = "全选",  "Saved {}" = "已保存 {}"
 

@@ -8,6 +8,7 @@ it again in every language."""
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from imgui_bundle import imgui
@@ -17,12 +18,13 @@ from editor import strings
 #: functions whose first argument is a label with an identity
 LABELS = (
     "button", "small_button", "checkbox", "radio_button", "menu_item", "menu_item_simple", "begin_menu",
-    "collapsing_header", "tree_node", "tree_node_ex", "begin_tab_item",
+    "collapsing_header", "tree_node", "tree_node_ex", "begin_tab_item", "selectable",
 )  # fmt: skip
 #: functions whose argument at this place is text alone
 TEXTS = {
     "text_unformatted": 0, "text": 0, "text_wrapped": 0, "text_disabled": 0, "text_colored": 1, "separator_text": 0,
     "calc_text_size": 0, "set_tooltip": 0, "set_item_tooltip": 0, "table_setup_column": 0, "bullet_text": 0,
+    "begin_combo": 1,
 }  # fmt: skip
 #: a label with an identity, and text in the place after it
 HINTED = ("input_text_with_hint",)
@@ -49,7 +51,7 @@ def _wrap() -> None:
     for name in LABELS:
         _replace(name, _labelled)
     for name, place in TEXTS.items():
-        _replace(name, lambda original, at=place: _texted(original, at))
+        _replace(name, partial(_texted, place=place))
     for name in HINTED:
         _replace(name, _hinted)
     _replace("combo", _combo)

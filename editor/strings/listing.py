@@ -1,7 +1,7 @@
 """Which words of the interface have no translation: `python -m editor.strings [LANGUAGE]`.
 
-    registries     menus, labels and tips of operations, titles of panels: these must all be there (`required`)
-    source code    what is written out in calls that show it: labels, tips, headings (`written`); f-strings as templates
+registries     menus, labels and tips of operations, titles of panels: these must all be there (`required`)
+source code    what is written out in calls that show it: labels, tips, headings (`written`); f-strings as templates
 """
 
 from __future__ import annotations
@@ -19,7 +19,8 @@ EDITOR = Path(__file__).resolve().parents[1]
 #: our own functions that show text: name -> places of it
 SHOWING = {
     "tr": (0,), "text": (0,), "tooltip": (0,), "flow_text": (0, 2), "fitted_text": (0,), "section": (1,),
-    "icon_button": (0, 1), "bare_button": (0,), "search_field": (2,), "property_row": (0, 1), "property_text": (0, 1, 2),
+    "icon_button": (0, 1), "bare_button": (0,), "search_field": (2,), "property_row": (0, 1),
+    "property_text": (0, 1, 2),
     "empty_state": (1, 2), "combo": (0,), **dict.fromkeys(LABELS, (0,)), **{n: (p,) for n, p in TEXTS.items()},
     **dict.fromkeys(HINTED, (0, 1)),
 }  # fmt: skip
@@ -46,9 +47,10 @@ def panel_titles() -> list[str]:
     titles = []
     for path in sorted((EDITOR / "panels").glob("*.py")):
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name) and node.target.id == "title":
-                if isinstance(node.value, ast.Constant) and isinstance(node.value.value, str):
-                    titles.append(node.value.value)
+            named = isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name) and node.target.id == "title"
+            value = node.value if named and isinstance(node, ast.AnnAssign) else None
+            if isinstance(value, ast.Constant) and isinstance(value.value, str):
+                titles.append(value.value)
     return titles
 
 

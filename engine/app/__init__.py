@@ -8,6 +8,7 @@
     rehearsal.py         programs of other paths and views, made while nothing else is to do
     posed.py             vertices as they are drawn, on the CPU
     headless.py          a runtime rendered into an array, no window
+    look_card.py         a grey and a chrome ball and a colour chart under an open scene's surroundings
     feature_pixels.py    which features of shader variants never change a pixel of a scene
     doctor.py            what this machine has and lacks
     system_libraries.py  the shared libraries of the system; standard library only, also read by packaging/

@@ -8,7 +8,6 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-import statistics
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -21,7 +20,7 @@ from engine.gpu.types import Caps
 from engine.render.presets import NAMES, PRESETS, Chosen, with_preset, within_budget
 from engine.render.view import View
 
-#: frames before those that count (programs, maps and histories are made), and those of which the median counts
+#: frames before those that count (programs, maps and histories are made), and those of which the quickest counts
 WARM, TIMED = 3, 5
 #: scenes and sizes that are kept
 KEPT = 64
@@ -47,8 +46,8 @@ def choose(runtime: Runtime, view: View, budget: float, *, again: bool = False) 
 
 
 def measure(runtime: Runtime, view: View) -> dict[str, float]:
-    """Median milliseconds of a frame as a window makes them, by preset. Interleaved, so that what else the machine does
-    meets all alike."""
+    """Milliseconds of a frame as a window makes them, by preset: the quickest of some, interleaved, so that what else
+    the machine does counts little and meets all alike."""
     views = {
         name: replace(view, settings=with_preset(view.settings, name), seconds=1.0 / 60.0, key=("calibration", name))
         for name in NAMES
@@ -65,7 +64,7 @@ def measure(runtime: Runtime, view: View) -> dict[str, float]:
             runtime.render(one)
             runtime.device.finish()
             times[name].append(1e3 * (time.perf_counter() - start))
-    return {name: statistics.median(values) for name, values in times.items()}
+    return {name: min(values) for name, values in times.items()}
 
 
 def scene_key(runtime: Runtime, view: View) -> str:

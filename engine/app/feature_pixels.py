@@ -13,16 +13,18 @@ from __future__ import annotations
 
 from collections.abc import Generator, Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.app.headless import render_hdr
-from engine.app.runtime import Runtime
 from engine.core.errors import InputError
 from engine.materials.variant import VariantRequest
 from engine.render.settings import RenderSettings
 from engine.render.view import View
+
+if TYPE_CHECKING:
+    from engine.app.runtime import Runtime
 
 SIZE = (160, 90)
 #: degrees about the scene, beside its own camera
@@ -145,6 +147,8 @@ def _without(request: VariantRequest, effect: str, features: frozenset[str], fea
 
 
 def _pictures(runtime: Runtime, views: Sequence[View]) -> list[Picture]:
+    from engine.app.headless import render_hdr  # here: who only tells what was found needs no renderer
+
     return [np.array(render_hdr(runtime, view)[0]) for view in views]
 
 

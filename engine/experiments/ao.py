@@ -1,4 +1,4 @@
-"""Ambient occlusion against rays: method, places looked at, half size.
+"""Ambient occlusion against rays: method, places looked at, half size, smaller depths, frames.
 
 The picture's view of that name is the visibility itself. The truth is the cosine-weighted part of the hemisphere over
 each pixel's facet that rays find free, where what they meet counts less with its distance by the fall-off of the
@@ -7,7 +7,8 @@ methods: so an infinite number of samples would still leave what depth does not 
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -29,31 +30,41 @@ from engine.experiments.harness.pixel_truth import (
 )
 from engine.experiments.harness.pixel_truth import picture_size as size
 from engine.experiments.harness.scenes import MADE, open_scene, own_or, short
+from engine.math.quat import from_axis_angle, to_matrix3
 from engine.render.occlusion import METHODS, radius_of
 from engine.render.settings import RenderSettings
 from engine.render.view import View
 from engine.report.perceptual import flip
+from engine.report.records import Point, Table
 
 F8 = NDArray[np.float64]
 
-SCENES = (MADE + "room", MADE + "blocks")
+SCENES = (MADE + "room", MADE + "blocks", MADE + "box", MADE + "nave", MADE + "atrium")
 #: (directions, steps) of horizons; places of the spiral
-SLICES, PLACES = ((1, 2), (1, 4), (2, 4), (3, 4), (2, 8), (4, 8), (8, 16)), (4, 8, 16, 32, 64)
+SLICES, PLACES = ((1, 2), (1, 4), (2, 4), (3, 4), (2, 8), (4, 8), (8, 16)), (4, 9, 16, 32, 64)
+#: what the thesis takes: so many places of the Alchemy method (its ch. 6)
+THESIS = ("alchemy", 1, 9)
 RAYS = 64
+#: frames of a camera that goes round what it looks at, and how far it goes in each, radians
+FRAMES, STEP = 10, 0.004
+
+PLAIN: dict[str, Any] = {"half": False, "mips": False, "frames": 1}
 
 
 def knobs(ctx: Context) -> list[dict[str, Any]]:
-    """Every method at every number of places; the default at half size; on every scene."""
+    """Every method at every number of places; the default at half size, with smaller depths, after some frames of a
+    moving camera; on every scene."""
     default = RenderSettings()
-    slices, places = (SLICES[1::2], PLACES[::2]) if ctx.quick else (SLICES, PLACES)
+    slices, places = (SLICES[1::2], PLACES[1::2]) if ctx.quick else (SLICES, PLACES)
     found: list[dict[str, Any]] = []
     for scene in scenes(ctx):
         rows: list[dict[str, Any]] = [
-            {"method": m, "directions": d, "steps": s, "half": False} for m in ("gtao", "hbao") for d, s in slices
+            {"method": m, "directions": d, "steps": s, **PLAIN} for m in ("gtao", "hbao") for d, s in slices
         ]
-        rows += [{"method": "alchemy", "directions": 1, "steps": n, "half": False} for n in places]
-        rows += [{"method": "gtao", "directions": d, "steps": s, "half": True} for d, s in slices]
-        own = {"method": METHODS[-1], "directions": default.ao_directions, "steps": default.ao_steps, "half": False}
+        rows += [{"method": "alchemy", "directions": 1, "steps": n, **PLAIN} for n in places]
+        rows += [{"method": "gtao", "directions": d, "steps": s, **PLAIN, "half": True} for d, s in slices]
+        own = {"method": METHODS[-1], "directions": default.ao_directions, "steps": default.ao_steps, **PLAIN}
+        rows += [{**own, "mips": True}, {**own, "frames": FRAMES}, {**own, "directions": 1, "frames": FRAMES}]
         found += [{"scene": scene, **row} for row in (rows if own in rows else [own, *rows])]
     return found
 
@@ -66,6 +77,7 @@ def settings(chosen: Knobs) -> RenderSettings:
     return RenderSettings(
         samples=1, view="ambient_occlusion", ambient_occlusion=str(chosen["method"]), shadows=False,
         ao_directions=int(chosen["directions"]), ao_steps=int(chosen["steps"]), ao_half=bool(chosen["half"]),
+        ao_mips=bool(chosen["mips"]), ao_temporal=int(chosen["frames"]) > 1,
     )  # fmt: skip
 
 
@@ -78,7 +90,7 @@ def seen(ctx: Context, scene: OpenScene, name: str) -> PixelTruth:
     from engine.experiments.truth.traced_scene import surface_seen, traced
     from engine.experiments.truth.visibility import ambient_occlusion
 
-    bare = view(ctx, scene, {"method": "gtao", "directions": 1, "steps": 1, "half": False})
+    bare = view(ctx, scene, {"method": "gtao", "directions": 1, "steps": 1, **PLAIN})
     world = traced(scene, bare.settings)
     met, surface = surface_seen(world, bare.camera, *size(ctx))
     if not met.any():
@@ -106,19 +118,104 @@ def run(ctx: Context, chosen: Knobs) -> Trial:
     return redrawn(ctx, scene, view(ctx, scene, chosen), lambda: judge(ctx, scene, chosen, found))
 
 
+def way(ctx: Context, scene: OpenScene, chosen: Knobs) -> list[View]:
+    """Frames of a camera that turns about the world's vertical and ends where the truth is."""
+    last = view(ctx, scene, chosen)
+    found = []
+    for i in range(FRAMES):
+        turn = np.eye(4)
+        turn[:3, :3] = to_matrix3(from_axis_angle((0.0, 1.0, 0.0), STEP * (i + 1 - FRAMES)))
+        camera = replace(last.camera, world_from_camera=turn @ last.camera.world_from_camera)
+        found.append(replace(last, camera=camera, seconds=1.0 / 60.0, cut=i == 0))
+    return found
+
+
+def flicker(pictures: Sequence[F8], steady: Sequence[F8]) -> float:
+    """How much the error changes from frame to frame, rms: `steady` are the same frames with many slices."""
+    off = [a - b for a, b in zip(pictures, steady, strict=True)]
+    return float(np.sqrt(np.mean([(b - a) ** 2 for a, b in zip(off, off[1:], strict=False)])))
+
+
 def judge(ctx: Context, scene: OpenScene, chosen: Knobs, found: PixelTruth) -> Outcome:
-    ours = radiance(scene, view(ctx, scene, chosen))[found.rows, 0]
+    extra: dict[str, Any] = {"frames": int(chosen["frames"])}
+    if int(chosen["frames"]) > 1:
+        views = way(ctx, scene, chosen)
+        pictures = [radiance(scene, each)[:, 0] for each in views]
+        # alone: the same frames, each as if it were the only one
+        alone = [radiance(scene, replace(each, seconds=None))[:, 0] for each in views[-3:]]
+        many = {**chosen, "directions": 16, "frames": 1}
+        steady = [radiance(scene, replace(each, settings=settings(many), seconds=None))[:, 0] for each in views[-3:]]
+        extra |= {"flicker": flicker(pictures[-3:], steady), "flicker_alone": flicker(alone, steady)}
+        ours = pictures[-1][found.rows]
+    else:
+        ours = radiance(scene, view(ctx, scene, chosen))[found.rows, 0]
     off = ours - found.value
     a, b = greys(size(ctx), found.rows, ours, found.value)
     error = {
         "rmse": float(np.sqrt(np.mean(off**2))), "bias": float(np.mean(off)), "flip": flip(a, b)[0],
         "worst": float(np.abs(off).max()),
     }  # fmt: skip
-    pictures = []
-    if (chosen["directions"], chosen["steps"]) in ((2, 8), (1, 16)):
+    pictures_ = []
+    plain = not chosen["mips"] and int(chosen["frames"]) == 1
+    if plain and (chosen["directions"], chosen["steps"]) in ((2, 8), (1, 9)):
         label = f"{chosen['method']}{', half size' if chosen['half'] else ''}"
-        pictures = beside_truth(ctx, label, a, f"{2 * RAYS} rays", b)
-    return Outcome(error, pictures=pictures)
+        pictures_ = beside_truth(ctx, f"{short(str(chosen['scene']))}: {label}", a, f"{2 * RAYS} rays", b)
+    return Outcome(error, extra=extra, pictures=pictures_)
+
+
+def tables(ctx: Context, points: Sequence[Point]) -> Iterable[Table]:
+    yield from (table for table in (against_the_thesis(points), over_frames(points)) if table.rows)
+
+
+def against_the_thesis(points: Sequence[Point]) -> Table:
+    """The default and the best setting that takes no longer than the thesis's own, beside it, on every scene."""
+    rows: list[list[str]] = []
+    good = [p for p in points if p.status == "ok" and p.ms is not None]
+    for scene in dict.fromkeys(p.knobs["scene"] for p in good):
+        here = [p for p in good if p.knobs["scene"] == scene]
+        theirs = next((p for p in here if _is(p, *THESIS)), None)
+        ours = next((p for p in here if _is(p, "gtao", 2, 8)), None)
+        if theirs is None or ours is None:
+            continue
+        limit = _ms(theirs)
+        quick = [p for p in here if _ms(p) <= limit and p.knobs["method"] != "alchemy" and p.knobs["frames"] == 1]
+        best = min(quick, key=lambda p: p.error["rmse"], default=None)
+        rows.append([
+            short(str(scene)), f"{theirs.error['rmse']:.4f}", f"{limit:.2f}", f"{ours.error['rmse']:.4f}",
+            f"{_ms(ours):.2f}", _named(best), f"{best.error['rmse']:.4f}" if best else "",
+            f"{theirs.error['rmse'] / best.error['rmse']:.2f}" if best else "",
+        ])  # fmt: skip
+    header = [
+        "scene", "Alchemy, 9 places: rmse", "ms", "default: rmse", "ms", "best in no more time", "rmse", "times nearer",
+    ]  # fmt: skip
+    return Table("Against the thesis's 9 places of the Alchemy method", header, rows)
+
+
+def over_frames(points: Sequence[Point]) -> Table:
+    rows = [
+        [short(str(p.knobs["scene"])), str(p.knobs["directions"])]
+        + [f"{value:.4f}" for value in (p.error["rmse"], p.extra["flicker"], p.extra["flicker_alone"])]
+        for p in points
+        if "flicker" in p.extra
+    ]
+    header = ["scene", "slices", "rmse", "change of the error a frame, mixed", "each frame alone"]
+    return Table(f"A camera that moves: the last of {FRAMES} frames", header, rows)
+
+
+def _is(point: Point, method: str, directions: int, steps: int) -> bool:
+    wanted = {"method": method, "directions": directions, "steps": steps, **PLAIN}
+    return all(point.knobs[name] == value for name, value in wanted.items())
+
+
+def _ms(point: Point) -> float:
+    return point.ms.median if point.ms is not None else np.inf
+
+
+def _named(point: Point | None) -> str:
+    if point is None:
+        return "none"
+    k = point.knobs
+    return f"{k['method']} {k['directions']}x{k['steps']}{', half size' if k['half'] else ''}"
 
 
 EXPERIMENT = Experiment(
@@ -128,11 +225,13 @@ EXPERIMENT = Experiment(
     metric="rmse",
     unit="visibility",
     knobs=knobs,
-    default={"method": METHODS[-1], "directions": 2, "steps": 8, "half": False},
+    default={"method": METHODS[-1], "directions": 2, "steps": 8, **PLAIN},
     curve="method",
     problem="scene",
+    also=("frames",),
     run=run,
     prepare=prepare,
+    tables=tables,
     orders=[
         Order(0.0, "depth shows fronts only: more places end at the method's bias", "places",
               step=lambda k: 1.0 / (float(k["directions"]) * float(k["steps"])), curve="alchemy", tolerance=0.5),

@@ -20,6 +20,7 @@ from engine.experiments.harness.pixel_truth import radiance, redrawn
 from engine.experiments.harness.scenes import MADE, open_scene, own_or, short
 from engine.math.color import to_u1
 from engine.render.focus import lens_width, pixels_per_slope
+from engine.render.motion.jitter import pixel_jitter
 from engine.render.settings import RenderSettings
 from engine.render.view import View
 from engine.report.perceptual import flip
@@ -29,7 +30,7 @@ F8 = NDArray[np.float64]
 SCENES = (MADE + "blocks", MADE + "metals")
 TAPS = (16, 32, 64, 128)
 #: in focus, of the distance to the middle of the scene; pixels of height that a point half as far off as that is wide
-NEARER, WIDE = 0.75, 0.06
+NEARER, WIDE = 0.6, 0.08
 GOLDEN = math.pi * (3.0 - math.sqrt(5.0))
 
 
@@ -81,7 +82,8 @@ def truth(ctx: Context, scene: OpenScene) -> F8:
         pose = camera.world_from_camera.copy()
         pose[:3, 3] += u * pose[:3, 0] + v * pose[:3, 1]
         moved = replace(camera, world_from_camera=pose)
-        total += radiance(scene, replace(bare, camera=moved, shift=(u * pixels / focus, -v * pixels / focus)))
+        x, y = pixel_jitter(i, count)  # what is in focus is smooth, too
+        total += radiance(scene, replace(bare, camera=moved, shift=(x + u * pixels / focus, y - v * pixels / focus)))
     return total / count
 
 
@@ -90,10 +92,12 @@ def run(ctx: Context, chosen: Knobs) -> Trial:
     scene = open_scene(ctx, name)
     best = ctx.once(f"lens {name}", lambda: truth(ctx, scene))
     on = {**lens(ctx, scene), "focus_taps": int(chosen["taps"])} if chosen["form"] == "gathered" else {}
-    seen = view(ctx, scene, **on)
+    # edges that are sharp are smooth in both, so that the blur is what differs
+    still = view(ctx, scene, antialias="taa", taa_frames=8, **on)
+    seen = replace(still, seconds=1.0 / 60.0)
 
     def judge() -> Outcome:
-        ours = radiance(scene, seen)
+        ours = radiance(scene, still)
         a, b = (to_u1(np.clip(c, 0.0, 1.0).reshape(seen.height, seen.width, 3)) for c in (ours, best))
         off = np.clip(ours, 0.0, 1.0) - np.clip(best, 0.0, 1.0)
         error = {

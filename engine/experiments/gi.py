@@ -1,8 +1,9 @@
 """Light between surfaces against a path tracer: how it is gathered, from how many places, at which size; bounces.
 
 Two problems for each scene: light that was reflected once (the truth's paths end at the second surface), and five
-times. The picture is scene-linear, and all of it counts: what shadows and the environment's light are wrong by is in every
-row, also in the one that is off. The spiral is the gather of the thesis (50 places on 19 turns, in its right form).
+times. The picture is scene-linear, and all of it counts: what shadows and the environment's light are wrong by is in
+every row, also in the one that is off. The spiral is the gather of the thesis (50 places on 19 turns, in its right
+form).
 """
 
 from __future__ import annotations
@@ -53,7 +54,7 @@ DEFAULT = {"method": "slices, half size", "steps": 16}
 
 def size(ctx: Context) -> tuple[int, int, int]:
     """Width, height, paths for each pixel."""
-    return (72, 72, 96) if ctx.quick else (144, 96, 256)
+    return (72, 72, 96) if ctx.quick else (144, 96, 128)
 
 
 def scenes(ctx: Context) -> list[str]:

@@ -47,7 +47,7 @@ def knobs(ctx: Context) -> list[dict[str, Any]]:
     taking the least light for none."""
     found: list[dict[str, Any]] = []
     soft = SOFTNESS[1:2] if ctx.quick else SOFTNESS
-    plain = {"precision": "single", "leak": RenderSettings().shadow_leak}
+    plain = {"precision": "single", "leak": RenderSettings().shadow_leak, "size": MAP // 2 if ctx.quick else MAP}
     for filter in FILTERS:
         fixed = filter not in ("none", "pcf", "pcss")
         found += [{"scene": PENUMBRA, "filter": filter, "softness": s, **plain} for s in (soft if fixed else (1.5,))]
@@ -116,7 +116,8 @@ def settings(chosen: Knobs, **more: Any) -> RenderSettings:
     return RenderSettings(
         samples=1, background="color", tone_map="none", sun_angle=SUN, shadow_filter=str(chosen["filter"]),
         shadow_softness=float(chosen["softness"]), shadow_precision=str(chosen["precision"]),
-        shadow_leak=float(chosen["leak"]), shadow_size=MAP, **more,
+        shadow_leak=float(chosen["leak"]), shadow_size=int(chosen["size"]),
+        **more,
     )  # fmt: skip
 
 

@@ -40,10 +40,13 @@ from engine.report.records import Point, Table
 
 F8 = NDArray[np.float64]
 
-SCENE = MADE + "blocks"
+#: a quick run takes the first one
+SCENES = (MADE + "blocks", MADE + "atrium")
 FILTERS = tuple(f for f in FILTER_CHOICES if f != "auto")
 #: those that a quick run and larger maps leave out say nothing that others of their kind do not
 QUICK_FILTERS = ("none", "pcf", "vogel8", "pcss", "poisson24", "evsm4", "msm")
+#: whose maps are drawn anew and kept, to see what keeping them saves
+KEPT = ("auto", "evsm4")
 #: the thesis's own choice (chapter 6.1; taps, radius, map, cascades, lambda), over our bias
 THESIS = "thesis"
 THESIS_SETTINGS: dict[str, Any] = {
@@ -60,17 +63,22 @@ def knobs(ctx: Context) -> list[dict[str, Any]]:
     sizes = SIZES[1:3] if ctx.quick else SIZES
     filters = [f for f in FILTERS if not ctx.quick or f in QUICK_FILTERS]
     found = []
-    for scene in own_or(ctx, [SCENE]):
+    for scene in scenes(ctx):
         base = {"scene": scene, "filter": "auto", "cascades": DEFAULT.cascades, "size": DEFAULT.size}
         rows = [base]
         rows += [{**base, "filter": f, "size": s} for f in filters for s in (SIZES if f == "none" else sizes)]
         rows += [{**base, "cascades": c} for c in CASCADES if c != DEFAULT.cascades]
-        rows += [{**base, "size": 2048, "cascades": c} for c in (3, 4)]
+        large = THESIS_SETTINGS["shadow_size"]
+        rows += [{**base, "size": large, "cascades": c} for c in (3, 4)]
         if ctx.quick:  # what has the thesis's maps in fewer lookups
-            rows.append({**base, "filter": "vogel8", "size": 2048})
-        rows.append({**base, "filter": THESIS, "size": THESIS_SETTINGS["shadow_size"]})
+            rows.append({**base, "filter": "vogel8", "size": large})
+        rows.append({**base, "filter": THESIS, "size": large})
         found += rows
     return found
+
+
+def scenes(ctx: Context) -> list[str]:
+    return own_or(ctx, SCENES[:1] if ctx.quick else SCENES)
 
 
 def settings(chosen: Knobs, **more: Any) -> RenderSettings:
@@ -132,7 +140,7 @@ def lit(ctx: Context, scene: OpenScene, name: str) -> PixelTruth:
 
 
 def prepare(ctx: Context) -> Iterable[tuple[float, str]]:
-    problems = [(name, name) for name in own_or(ctx, [SCENE])]
+    problems = [(name, name) for name in scenes(ctx)]
     return truths(ctx, problems, "rays to the sun", lambda scene, name, _: lit(ctx, scene, name))
 
 
@@ -205,10 +213,10 @@ def kept_maps(ctx: Context) -> Table:
     """Frames at rest, whose maps are kept, beside frames in which all are drawn anew."""
     assert ctx.device is not None, "the experiment needs a device"
     rows = []
-    for name in own_or(ctx, [SCENE]):
+    for name in scenes(ctx):
         scene = open_scene(ctx, name)
         try:
-            for filter in ("auto", "evsm4"):
+            for filter in KEPT:
                 chosen = {"scene": name, "filter": filter, "cascades": DEFAULT.cascades, "size": DEFAULT.size}
                 seen = view(ctx, scene, chosen)
                 times: dict[bool, list[float]] = {False: [], True: []}

@@ -8,6 +8,7 @@ light_rows.py   light table -> Light structs, bounds       view_block.py  the un
 light_tables.py fitted lobes of area lights, IES profiles  lighting.py    by which path local lights reach surfaces
 gbuffer.py      what a surface is packed into              light_lists.py buffers behind the light lists of tiles
 occlusion.py    which ambient occlusion a view has, how far it looks
+gi/             light from surface to surface and reflections: which a view has, layers, gather, what is kept
 bloom.py        how widely a lens scatters light        exposure.py  what an eye has got used to
 depth_range.py  how deep an orthographic view is drawn
 light_groups.py what lights reach, one by one and in groups of neighbours

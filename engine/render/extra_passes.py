@@ -1,7 +1,7 @@
 """Passes that come from outside (plug-ins): they run last, on the finished picture. One that fails is taken out.
 
-    EXTRA.add(MyPass)          ─► lens_passes() of every path ─► the next frame's graph has it
-    EXTRA.remove(MyPass.name)  ─► the next frame's graph has not
+EXTRA.add(MyPass)          ─► lens_passes() of every path ─► the next frame's graph has it
+EXTRA.remove(MyPass.name)  ─► the next frame's graph has not
 """
 
 from __future__ import annotations

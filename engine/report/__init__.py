@@ -5,6 +5,7 @@ summary  median, IQR of repeated runs   ─> benches, experiments
 plot_sheet   curves and polar slices as a picture
 metrics  rmse, rel_mse, psnr, is_blank  <─ image      PNG and EXR in and out, atomic, same bytes for the same pixels
          angles, energy                    perceptual FLIP, SSIM (the extra `report`)
+picture_difference   how two pictures differ, in numbers and as a map
 
 number_check  what the check of a frame's numbers found: NaN and infinities, pass by pass
 

@@ -80,7 +80,7 @@ void main()
 #if NOISY
         float own_light = brightness(texelFetch(t_gathered, own, 0));
         // of the mean over a window of the pattern, so of a part of it
-        float noise = 0.1 * variance_at(own) + 1e-12;
+        float noise = 0.25 * variance_at(own) + 1e-12;
 #endif
         vec4 sum = vec4(0.0);
         float weights = 0.0;

@@ -85,7 +85,9 @@ def test_export_and_import(keymap: Keymap, tmp_path: Path) -> None:
     assert other.import_from(tmp_path / "keys.json") == []
     assert other.preset == "blender"
     assert other.operations.shortcuts() == keymap.operations.shortcuts()
-    (tmp_path / "keys.json").write_text('{"schema": "lucarna.keymap/1", "preset": "viewer", "changes": {"no.such": ["F1"]}}')
+    (tmp_path / "keys.json").write_text(
+        '{"schema": "lucarna.keymap/1", "preset": "viewer", "changes": {"no.such": ["F1"]}}'
+    )
     assert other.import_from(tmp_path / "keys.json") == ["no.such"]
     (tmp_path / "keys.json").write_text("[]")
     with pytest.raises(FormatError):

@@ -83,6 +83,19 @@ def test_a_selection_becomes_a_file_and_an_instance_of_it(session: Session, proj
     assert prefabs.root_of(document, row(document, "lamp")) == row(document, "stage 2")
 
 
+def test_a_prefab_of_one_node_keeps_its_size_and_leaves_its_place_to_the_instance(
+    session: Session, project: Path
+) -> None:
+    document = opened(session, project / "scenes/boxes.scene.json")
+    plinth = row(document, "plinth")
+    world = document.runtime.scene.nodes.world_matrix(plinth)
+    document.select(plinth)
+    assert prefabs.make(session), session.ui.error_bar
+    alone = read_scene(project / "prefabs/plinth.scene.json").nodes[0]
+    assert (alone.translation, alone.rotation, alone.scale) == ((0.0,) * 3, (0.0, 0.0, 0.0, 1.0), (2.0, 0.2, 2.0))
+    assert np.allclose(document.runtime.scene.nodes.world_matrix(plinth), world, atol=1e-12)
+
+
 def test_instances_keep_what_is_their_own_and_follow_the_rest(session: Session, project: Path) -> None:
     target = made(session, project)
     document = session.document

@@ -131,6 +131,24 @@ def test_the_watch_sees_the_source_and_its_sidecar(session: Session, source: Pat
     assert params(document)["metallic"] == 0.75
 
 
+def test_a_source_that_changed_while_nobody_looked_comes_in_when_its_scene_is_opened(
+    session: Session, source: Path, tmp_path: Path
+) -> None:
+    opened(session, source)
+    session.edit("materials", "roughness", (0,), (0.125,))
+    target = tmp_path / "scenes/crate.scene.json"
+    assert session.save(target)
+    session.close()
+    rewrite(source, metallicFactor=0.75)
+    session.preferences.reimport = True
+    document = opened(session, target)
+    deadline = time.monotonic() + 20.0
+    while params(document)["metallic"] != 0.75 and time.monotonic() < deadline:
+        session.poll()
+        time.sleep(0.02)
+    assert (params(document)["roughness"], params(document)["metallic"]) == (0.125, 0.75)
+
+
 def test_fixes_are_remembered_undone_and_the_same_on_the_command_line(session: Session, source: Path) -> None:
     document = opened(session, source)
 

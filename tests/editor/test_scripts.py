@@ -81,7 +81,9 @@ def test_exit_codes(tmp_path: Path) -> None:
 
 def test_json_says_what_was_done(scene: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     script = tmp_path / "script.py"
-    script.write_text("print('not for machines')\nselect('lamp')\nrun('edit.move-by', offset=(1, 0, 0))\nselect('no')\n")
+    script.write_text(
+        "print('not for machines')\nselect('lamp')\nrun('edit.move-by', offset=(1, 0, 0))\nselect('no')\n"
+    )
     assert main(["run", "--open", str(scene), "--json", str(script)]) == 1
     told = json.loads(capsys.readouterr().out)
     assert told["operations"][1:] == [

@@ -1,4 +1,4 @@
-"""UI tests of keys, palette, languages and plug-ins: real clicks on imgui's null platform, each reported by its name."""
+"""UI tests of keys, palette, languages and plug-ins: real clicks on a null platform, each reported by its name."""
 
 from __future__ import annotations
 

@@ -18,7 +18,7 @@ pytestmark = pytest.mark.gl
 def _few(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sweep, "REPEATS", (5, 5))
     monkeypatch.setattr(sweep, "BUDGET_S", (0.2, 0.2))
-    for module, name in ((bloom, "size"), (dof, "size"), (antialias, "size"), (presets, "picture_size")):
+    for module, name in ((bloom, "size"), (antialias, "size"), (presets, "picture_size")):
         monkeypatch.setattr(module, name, lambda ctx: (96, 64))
     monkeypatch.setattr(dof, "lens_places", lambda ctx: 32)
 
@@ -55,7 +55,7 @@ def test_every_way_to_smooth_edges_helps(quick: Callable[[], Context]) -> None:
 def test_a_lens_is_nearer_to_the_lens(quick: Callable[[], Context]) -> None:
     pytest.importorskip("flip_evaluator")
     errors = {p.curve: p.error for p in run("dof", quick()).points}
-    assert errors["gathered"]["rmse"] < 0.5 * errors["off"]["rmse"]
+    assert errors["gathered"]["rmse"] < 0.6 * errors["off"]["rmse"]
     assert abs(errors["gathered"]["lost"]) < 0.03
 
 

@@ -33,6 +33,9 @@ def _few(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(picture, "FINER", 2)
     monkeypatch.setattr(sun_shadows, "size", lambda ctx: (96, 64))
     monkeypatch.setattr(sun_shadows, "SIZES", (64, 128, 256, 512))
+    monkeypatch.setattr(sun_shadows, "QUICK_FILTERS", ("none", "pcf", "msm"))
+    monkeypatch.setattr(sun_shadows, "KEPT", ("auto",))
+    monkeypatch.setitem(sun_shadows.THESIS_SETTINGS, "shadow_size", 512)
 
 
 def run(name: str, ctx: Context) -> Result:
@@ -70,6 +73,9 @@ def test_sun_shadows_against_rays(quick: Callable[[], Context]) -> None:
     assert unfiltered[512]["misclassified"] < unfiltered[64]["misclassified"] / 2.0
     assert unfiltered[512]["misclassified"] < 0.02
     assert len(result.pictures[0]) == 3
+    beside, kept = result.tables
+    assert [row[1] for row in beside.rows] == ["the thesis", "default", "best in the thesis's time"]
+    assert len(kept.rows) == 1
 
 
 def test_no_rays_no_points_but_a_reason(quick: Callable[[], Context], monkeypatch: pytest.MonkeyPatch) -> None:

@@ -20,7 +20,6 @@ def test_softness_and_leaks(quick: Callable[[], Context], monkeypatch: pytest.Mo
     monkeypatch.setattr(sweep, "BUDGET_S", (0.1, 0.1))
     monkeypatch.setattr(shadow_edges, "FILTERS", ("pcss", "poisson24", "vsm", "msm"))
     monkeypatch.setattr(shadow_edges, "SIZE", (96, 96))
-    monkeypatch.setattr(shadow_edges, "MAP", 512)
     result = sweep.run_experiment("shadow_edges", registry.get("shadow_edges"), quick())
     assert not result.omitted
     edge = {p.knobs["filter"]: p.error for p in result.points if p.knobs["scene"] == shadow_edges.PENUMBRA}

@@ -13,12 +13,11 @@ import traceback
 from pathlib import Path
 from typing import IO, Any
 
-from tests.fuzz import operation_stage as stage
-from tests.fuzz.operation_walk import Broken, Model, Walk
-
 from editor import journal, recovering
 from editor.commands.replacement import FileStep, Replacement
 from editor.session import Session
+from tests.fuzz import operation_stage as stage
+from tests.fuzz.operation_walk import Broken, Model, Walk
 
 
 def main() -> None:

@@ -18,17 +18,18 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import IO, Any
 
-from tests.fuzz import operation_stage as stage
-
 from editor.builtin_operations import builtin_operations
 from editor.document import Document
 from editor.operations import Operations
 from editor.session import Session
 from engine.core.errors import LucarnaError
+from tests.fuzz import operation_stage as stage
 
 #: operations that the walk leaves out, and why
 LEFT_OUT = {
     "file.quit": "ends the window",
+    "file.open-sample": "opens another document",
+    "file.save-turntable": "writes pictures and no document",
     "prefab.make": "its undo opens another scene under the document, which a replay cannot follow yet",
     "prefab.apply": "as prefab.make",
     "prefab.revert": "as prefab.make",
@@ -139,7 +140,9 @@ class Walk:
             if kind == "undo":
                 what = dice.choice(("edit.undo", "edit.redo", "jump"))
                 if what == "jump":
-                    document.history.go_to(dice.randint(0, len(document.history.entries) + len(document.history.undone)))
+                    document.history.go_to(
+                        dice.randint(0, len(document.history.entries) + len(document.history.undone))
+                    )
                 else:
                     for _ in range(dice.randint(1, 6)):
                         self.operations.run(what, session)
@@ -210,9 +213,9 @@ class Walk:
         requests = session.ui
         if requests.after_discard is not None:
             after, requests.after_discard = requests.after_discard, None
-            if dice.random() < 0.05:  # now and then the changes are given up
-                if self.document is not None and session.document is self.document:
-                    after()
+            given_up = dice.random() < 0.05
+            if given_up and self.document is not None and session.document is self.document:
+                after()
         if session.job is not None:
             session.job.wait(20)
             session.poll()

@@ -1,4 +1,4 @@
-"""Random operations of the editor, with undo, redo and `kill -9`: `python -m tests.fuzz.operations --count 10000 --seed 1`.
+"""Random operations of the editor, undo, redo and `kill -9`: `python -m tests.fuzz.operations --count 10000 --seed 1`.
 
     operation_stage    a scene with some of everything; its content as a hash
     operation_walk     random operations, and what must hold after each
@@ -57,7 +57,9 @@ def fuzz(count: int, seed: int, *, every: int = 300, folder: Path | None = None,
             _child(order, base, outcome)
             number += 1
             if tell:
-                print(f"{outcome.operations} operations, {outcome.kills} kills, {outcome.restored} restored", flush=True)
+                print(
+                    f"{outcome.operations} operations, {outcome.kills} kills, {outcome.restored} restored", flush=True
+                )
     return outcome
 
 
@@ -78,7 +80,9 @@ def _child(order: dict[str, object], base: Path, outcome: Outcome) -> None:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(prog="python -m tests.fuzz.operations", description=(__doc__ or "").splitlines()[0])
+    parser = argparse.ArgumentParser(
+        prog="python -m tests.fuzz.operations", description=(__doc__ or "").splitlines()[0]
+    )
     parser.add_argument("--count", type=int, default=10000, help="how many operations")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--every", type=int, default=300, help="a kill about every so many")

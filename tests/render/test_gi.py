@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from engine.math.transform import look_at
 from engine.render.camera import Camera
 from engine.render.gi.choice import Indirect, indirect_of, lengths_of, size_of
 from engine.render.settings import RenderSettings
+from tests.support import poison
 
 pytestmark = pytest.mark.gl
 
@@ -208,3 +210,27 @@ def test_lengths_follow_the_scene() -> None:
     found = lengths_of(RenderSettings(gi_radius=2.0), 10.0)
     assert found["radius"] == 2.0
     assert found["separation"] == pytest.approx(0.2)
+
+
+@pytest.mark.parametrize("texture", ["layer0_sent", "layer_depths", "layer_sides"])
+def test_bad_numbers_end_where_they_are_read(stage, surface, texture) -> None:
+    """What is no number in what the gather and the mirrors read: the picture has none."""
+    camera = lamp_scene(stage, surface)
+    view = stage.view((24, 20), camera, gi="one", reflections=True)
+    clean = poison.shoot(stage.runtime, view, "indirect")
+    for value in ("nan", "inf", "huge"):
+        shot = poison.shoot(stage.runtime, view, "indirect", (texture, 12, 12, poison.VALUES[value]))
+        assert np.isfinite(shot.hdr).all()
+    assert np.isfinite(clean.hdr).all()
+
+
+def test_bad_lights_and_normals(stage, surface) -> None:
+    camera = lamp_scene(stage, surface)
+    ball = uv_sphere(0.3, 8, 16)
+    flat = replace(ball, streams={**ball.streams, "normal": np.zeros_like(ball.streams["normal"])})
+    stage.add(flat, surface(**GREY), (-0.7, 0.3, 0.2))
+    stage.lamp(LightAsset("point", intensity=1e8), (0.0, 0.05, 0.6))
+    stage.lamp(LightAsset("spot", intensity=5.0, inner_angle=0.0, outer_angle=0.0), (0.0, 1.0, 0.0))
+    seen = stage.hdr((32, 24), camera, gi="many", reflections=True)
+    assert np.isfinite(seen).all()
+    assert (seen >= 0.0).all()

@@ -46,7 +46,7 @@ def lamp(stage, surface) -> Camera:
 
 def test_a_bounce_is_added_each_frame(stage, surface) -> None:
     camera = box(stage, surface)
-    whole = {"gi_unseen": "seen", "gi_radius": 10.0, "gi_smooth": False, "gi_half": False}
+    whole = {"gi_unseen": "seen", "gi_radius": 10.0, "gi_smooth": False, "gi_half": False, "gi_directions": 4}
     means = [picture.mean() for picture in film(stage, camera, 12, **whole)]
     assert means[0] == pytest.approx(0.375, rel=0.02)  # e (1 + rho)
     assert means[1] == pytest.approx(0.4375, rel=0.02)  # e (1 + rho + rho^2)
@@ -126,3 +126,12 @@ def test_mirrors_alike_in_all_paths(stage, surface) -> None:
         truth = stage.hdr((40, 32), camera, path="forward", **settings)
         for path in ("deferred", "tiled-deferred", "forward-plus"):
             assert np.array_equal(stage.hdr((40, 32), camera, path=path, **settings), truth), path
+
+
+def test_each_by_itself_is_what_it_is_with_everything(stage, surface) -> None:
+    """Mirrors without gathered light and the other way round: forced passes add nothing."""
+    camera = mirror(stage, surface)
+    stage.lamp(LightAsset("point", intensity=4.0), (0.8, 1.2, 0.8))
+    for settings in ({"reflections": True}, {"gi": "one"}, {"gi": "many"}):
+        pruned = stage.hdr((32, 24), camera, **settings)
+        assert np.array_equal(stage.hdr((32, 24), camera, force_all=True, **settings), pruned), settings

@@ -59,7 +59,7 @@ def test_nothing_and_one_pixel(stage, surface, filter) -> None:
     assert stage.hdr((1, 1), camera, shadow_filter=filter, shadows=False)[0, 0, 0] > 0.0
 
 
-@pytest.mark.parametrize("filter", FAMILIES)
+@pytest.mark.parametrize("filter", ["pcf", "pcss", "msm"])
 @pytest.mark.parametrize("elevation", [math.pi / 2, -math.pi / 2, 0.0, 1e-6])
 def test_a_sun_straight_above_below_and_on_the_horizon(stage, surface, filter, elevation) -> None:
     sunny(stage, sun_elevation=elevation)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from engine.assets.primitives import plane
+from engine.assets.scene import LightAsset
 from engine.math.transform import look_at
 from engine.render.camera import Camera
 
@@ -105,6 +106,18 @@ def test_softness_is_the_disc_s(stage, two_casters) -> None:
     options = {"shadow_size": 256, "shadow_softness": 4.0, "samples": 1}
     disc = stage.hdr(SIZE, camera, shadow_filter="vogel16", **options)[..., 0]
     assert 0.1 < (disc < 0.5 * disc.max()).mean() < 0.9
-    for filter in ("vsm", "evsm2", "evsm4"):  # msm's edge lies nearer to what casts by a part of the blur's radius
-        blurred = stage.hdr(SIZE, camera, shadow_filter=filter, shadow_leak=0.0, **options)[..., 0]
-        assert np.abs(blurred - disc).mean() < 0.06 * disc.max(), filter
+    # the exponential ones count a slope's own depths, msm is lifted: their edges lie nearer to what casts
+    blurred = stage.hdr(SIZE, camera, shadow_filter="vsm", shadow_leak=0.0, **options)[..., 0]
+    assert np.abs(blurred - disc).mean() < 0.06 * disc.max()
+
+
+@pytest.mark.parametrize("filter", ["poisson24", "evsm4"])
+def test_all_paths_and_the_forced_frame_agree(stage, two_casters, filter) -> None:
+    stage.lamp(LightAsset("point", (1.0, 0.6, 0.3), 6.0, 6.0, casts_shadow=True), (2.5, 1.0, 0.5))
+    camera = Camera(look_at((5.0, 3.0, 4.0), (1.0, 0.3, 0.0)), 0.8, znear=0.05)
+    options = {"shadow_filter": filter, "shadow_size": 128, "local_shadow_size": 256}
+    truth = stage.hdr((48, 40), camera, path="forward", **options)
+    assert np.abs(truth - stage.hdr((48, 40), camera, path="forward", shadows=False, **options)).max() > 0.05
+    for path in ("deferred", "tiled-deferred", "forward-plus"):
+        assert np.array_equal(stage.hdr((48, 40), camera, path=path, **options), truth), path
+    assert np.array_equal(stage.hdr((48, 40), camera, path="forward", force_all=True, **options), truth)

@@ -60,7 +60,8 @@ def markdown() -> str:
 
 
 _SHADOWS = "tests/render/"
-_AO = "no ambient occlusion pass yet"
+_RENDER = "tests/render/"
+_AO = _RENDER + "test_ambient_occlusion.py::"
 _ANIMATION = "tests/animation/"
 
 _QUAT = "tests/math/test_quat.py::test_slerp_"
@@ -82,7 +83,12 @@ ROWS = (
     Row("format.one-bad-pixel", "one texel of an input is not a number, infinite, negative, huge or denormal"),
     Row("format.half-store", "values beyond what a half float holds; rounding of the store"),
     Row("format.half-sums", "ten thousand small terms: no sum sticks, as one in half floats would"),
-    Row("format.half-history", "a running mean in half floats", waits="no pass keeps a history yet"),
+    Row(
+        "format.half-history", "a running mean of many frames comes to its limit",
+        (_RENDER + "test_taa.py::test_it_converges_to_the_supersampled_picture",
+         _RENDER + "test_ambient_occlusion_frames.py::test_before_the_filter_it_is_the_mean_of_its_frames",
+         _RENDER + "test_gi_motion.py::test_a_still_camera_calms_down"),
+    ),
     Row("format.no-infinities-in-data", "1/0 as a sentinel, inf - inf"),
     Row("format.integer-noise", "noise from fract(sin())"),
     Row("format.transcendentals", "exp, log, pow, sqrt, atan of this device against float64"),
@@ -110,8 +116,16 @@ ROWS = (
         "shadow.shimmer", "cascades crawl with the camera",
         (_SHADOWS + "test_shadows.py::test_moving_the_camera_by_less_than_a_texel_moves_no_shadow",),
     ),
-    Row("shadow.variance", "variance of a flat depth", waits="no variance shadow maps"),
-    Row("shadow.exponents", "exponents that overflow", waits="no exponential shadow maps"),
+    Row(
+        "shadow.variance", "variance of a flat depth; two casters before a receiver",
+        (_SHADOWS + "shadows/test_shadow_moments.py::test_a_flat_plane_is_lit",
+         _SHADOWS + "shadows/test_shadow_moments.py::test_light_leaks_of_two_casters_are_those_known"),
+    ),
+    Row(
+        "shadow.exponents", "exponents that overflow, in single and half precision; depths 0 and 1",
+        (_SHADOWS + "shadows/test_shadow_moments.py::test_exponents_are_kept_below_overflow",
+         _SHADOWS + "shadows/test_shadow_moments.py::test_esm_at_the_ends_of_depth"),
+    ),
     # --- transforms and animation ---
     Row("pose.slerp-small-angle", "1e-7 radians to a half turn", (_QUAT + "is_constant_speed",)),
     Row(
@@ -161,8 +175,23 @@ ROWS = (
     Row("light.tile-depth", "tiles of sky only, of sky and one body, of many depths"),
     Row("light.tile-edges", "tiles of any size at odd sizes of the picture"),
     Row("light.path-agreement", "deferred = tiled = forward+"),
-    Row("light.occlusion", "Alchemy, horizon-based: radius below a pixel, above the screen", waits=_AO),
-    Row("light.layers", "an empty second layer", waits="no deep G-buffer yet"),
+    Row(
+        "light.occlusion", "Alchemy, horizon-based: the border, any field of view, radius below a pixel, above the screen",
+        (_AO + "test_a_plane_hides_nothing_of_itself", _AO + "test_no_radius_is_too_small_or_too_large",
+         _AO + "test_beside_a_wall"),
+    ),
+    Row(
+        "light.layers", "an empty second layer",
+        (_RENDER + "test_gi.py::test_a_second_layer_that_is_empty_changes_nothing",),
+    ),
+    Row(
+        "light.bounces", "light again and again: no growth without end, nothing after a light goes out or a cut",
+        (_RENDER + "test_gi.py::test_bounces_never_grow_without_end",
+         _RENDER + "test_gi.py::test_a_closed_box_comes_to_its_limit",
+         _RENDER + "test_gi_motion.py::test_a_light_that_goes_out_is_gone",
+         _RENDER + "test_gi_motion.py::test_a_cut_forgets"),
+    ),
+    Row("light.all-at-once", "occlusion, bounces, mirrors, shadows and TAA together at the ends of scenes and sizes"),
     Row("light.reflection", "camera on, under, along the mirror", waits="no planar reflection yet"),
     Row("light.refraction", "total internal reflection, posts before the water", waits="no refraction yet"),
     Row("facts.flicker", "a fact that is true in every other frame: graphs do not come and go, no bit changes"),

@@ -56,10 +56,14 @@ def fill(frame: RenderFrame) -> NDArray[np.void]:
     return row
 
 
-def block_of(frame: RenderFrame, *, known: bool = True) -> Buffer:
-    """The buffer of this frame's row. Not `known`: what the frames before had is not there."""
-    row = fill(frame)
-    if known:
-        return frame.pass_block(NAME, row)
-    row["known"] = row["keep"] = 0.0
-    return frame.pass_block(f"{NAME} anew", row)
+def block_of(frame: RenderFrame, *, known: bool = True, on: bool = True) -> Buffer:
+    """The buffer of this frame's row. Not `known`: what the frames before had is not there; not `on`: the pass runs for
+    nothing and must add nothing."""
+    row, name = fill(frame), NAME
+    if not known:
+        row["known"] = row["keep"] = 0.0
+        name += " anew"
+    if not on:
+        row["strength"] = 0.0
+        name += " off"
+    return frame.pass_block(name, row)

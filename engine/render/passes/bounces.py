@@ -67,6 +67,8 @@ class BouncesPass(Pass):
     def execute(self, ctx: PassContext) -> None:
         frame: RenderFrame = ctx.frame
         quality = frame.facts.indirect
+        if not quality.again:
+            return  # forced to be here
         block = block_of(frame, known=not (quality.live and ctx.history_reset(COARSE_DEPTHS)))
         size = ctx.texture(NEAR_FAR).desc
         level = min(LEVEL, levels_of(size.width, size.height) - 1)

@@ -53,7 +53,7 @@ class IndirectPass(Pass):
         frame: RenderFrame = ctx.frame
         quality, point = frame.facts.indirect, frame.point_sampler
         found = ctx.texture(GATHERED)
-        gather(ctx, found, block_of(frame))
+        gather(ctx, found, block_of(frame, on=quality.gather))
         if quality.smooth:
             found = self._mixed(ctx, found, block_of(frame, known=not ctx.history_reset(MIXED)))
         layers = {17: (ctx.texture(NEAR_FAR), point), 18: (ctx.texture(SIDES), point)}
@@ -70,7 +70,7 @@ class IndirectPass(Pass):
             inputs |= {unit: (ctx.texture(names[1]), point) for unit, names in LAYER_UNITS.items()}
         defines = {"WHOLE": 1, "SAMPLES": frame.facts.samples, "LAYER_VIEW": shown, "RADIUS": 1, "APART": 1, "NOISY": 0}
         out = {1: (ctx.texture(INDIRECT), 0, "write")}
-        dispatch(ctx, "indirect_filter.comp", defines, inputs, out, block_of(frame))
+        dispatch(ctx, "indirect_filter.comp", defines, inputs, out, block_of(frame, on=quality.gather))
 
     def _mixed(self, ctx: PassContext, now: Texture, block: Buffer) -> Texture:
         frame: RenderFrame = ctx.frame

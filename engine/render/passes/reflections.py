@@ -42,7 +42,9 @@ class ReflectionsPass(Pass):
             "STEPS": quality.reflection_steps, "LAYERS": quality.layers,
             "LEVELS": levels_of(out.desc.width, out.desc.height),
         }  # fmt: skip
-        dispatch(ctx, "reflections.comp", defines, inputs, {1: (out, 0, "write")}, block_of(frame))
+        dispatch(
+            ctx, "reflections.comp", defines, inputs, {1: (out, 0, "write")}, block_of(frame, on=quality.reflections)
+        )
 
 
 def reflection_inputs(ctx: PassContext) -> dict[int, Any]:

@@ -9,6 +9,7 @@ choice.py       which path a frame takes, and why: asked for, or the cheapest by
     shadows ─► opaque + G-buffer ─► lists ─► tiled shading / volumes ─► sky ─► transparent (lists) ─► lens
     lens: auto exposure meters ─► bloom ─► resolve (linear output) ─► tone map ─► FXAA; each only where it is wanted
 Where ambient occlusion is wanted, depth comes first in every path, and what it hides is known when surfaces are shaded.
+So it is with light between surfaces and reflections (engine/render/gi): depth ─► layers ─► radiosity ─► gather.
 Surfaces of effects without a `gbuffer` technique (layers, other microfacet terms, toon) are drawn behind the lighting
 in the deferred paths, by all lights, unpacked in every path. Before `transparent` comes a copy of the picture where
 something shows what is behind it (passes/scene_color.py).

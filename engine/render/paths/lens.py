@@ -15,6 +15,6 @@ from engine.render.passes.tone_map import ToneMapPass
 
 
 def lens_passes() -> list[Pass]:
-    light = [TaaPass(), DepthOfFieldPass(), AutoExposurePass(), BloomPass()]
+    light = [DepthOfFieldPass(), TaaPass(), AutoExposurePass(), BloomPass()]
     filters = [FxaaPass(), SmaaPass()]
     return [*light, ResolvePass(), ToneMapPass(), *filters, *EXTRA.make()]

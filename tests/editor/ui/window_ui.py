@@ -95,7 +95,8 @@ def run(folder: Path) -> dict[str, Any]:
 
         seen["can_drop"] = app._drop is not None
         if app._drop is not None:  # as the window library calls it, on the file's name
-            app._drop(0, 1, (ctypes.c_char_p * 1)(os.fsencode(scene)))
+            other = write_small_scene(folder / "other")
+            app._drop(0, 1, (ctypes.c_char_p * 1)(os.fsencode(other)))
             for _ in range(600):
                 if session.job is None and session.document is not document:
                     break

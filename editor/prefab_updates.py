@@ -1,0 +1,185 @@
+"""Instances and their prefabs brought together: reverted, applied, up to date when a prefab's file changes. Each is one
+undoable entry. No imgui."""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from editor import replacing, saving
+from editor.commands.replacement import settled
+from editor.prefabs import index_of, own_values, path_of, root_of
+from engine.assets.prefab import FIELDS, NODE, ROOT, instance_nodes, keys_of, map_files, members
+from engine.assets.scene import SceneAsset
+from engine.assets.scene_json import format_scene, read_scene, write_scene
+from engine.core.errors import InputError, LucarnaError
+from engine.core.paths import user_cache_dir
+
+if TYPE_CHECKING:
+    from editor.document import Document
+    from editor.session import Session
+
+#: seconds between two looks at the files of prefabs
+LOOK = 0.5
+
+
+def revert(session: Session) -> bool:
+    """Give the selected instance back what its prefab says, but for its own place."""
+    found = _selected(session)
+    if found is None:
+        return False
+    document, row, path = found
+    asset = saving.current_scene(document)
+    index = index_of(document, row)
+    said: Any = asset.nodes[index].extras[ROOT]
+    extras = {**asset.nodes[index].extras, ROOT: {**said, "changed": {}, "removed": []}}
+    asset.nodes[index] = replace(asset.nodes[index], extras=extras)
+    return _reopen(session, document, asset, f"Revert {path.name}")
+
+
+def apply(session: Session) -> bool:
+    """Write what the selected instance has of its own into its prefab; all other instances follow."""
+    found = _selected(session)
+    if found is None:
+        return False
+    document, row, path = found
+    changed, removed = own_values(document, row)
+    if not changed and not removed:
+        session.ui.notice = "This instance has nothing of its own"
+        return True
+    try:
+        before = path.read_text("utf-8")
+        prefab = read_scene(path)
+        asset = saving.current_scene(document)
+        index = index_of(document, row)
+        mine = {str(asset.nodes[i].extras[NODE]): asset.nodes[i] for i in members(asset, index)}
+        folder = document.scene_path.resolve().parent
+        keys = keys_of(prefab.nodes)
+        for number, key in enumerate(keys):
+            if key in changed:
+                own = map_files(mine[key], lambda text: saving.moved_reference(text, folder, path.parent))
+                values = {n: getattr(own, n) for field in changed[key] for n in FIELDS[field]}
+                prefab.nodes[number] = replace(prefab.nodes[number], **values)
+        unknown = sorted(set(changed) - set(keys))
+        prefab = without(prefab, [i for i, key in enumerate(keys) if key in removed])
+        after = format_scene(prefab, str(path))
+    except (LucarnaError, OSError) as error:
+        session.fail(error if isinstance(error, LucarnaError) else InputError(str(error), where=path))
+        return False
+    if unknown:
+        session.messages.warn(
+            f"Of prefabs within the prefab nothing was applied: {', '.join(unknown)}", where=str(path)
+        )
+    said: Any = asset.nodes[index].extras[ROOT]
+    left = {k: v for k, v in changed.items() if k in unknown}
+    extras = {**asset.nodes[index].extras, ROOT: {**said, "changed": left, "removed": []}}
+    asset.nodes[index] = replace(asset.nodes[index], extras=extras)
+    steps = settled(after, path), settled(before, path)
+    return _reopen(session, document, asset, f"Apply to {path.name}", steps)
+
+
+def without(asset: SceneAsset, lost: Sequence[int]) -> SceneAsset:
+    """`asset` without the nodes `lost` and what is below them."""
+    gone = set(lost)
+    for index, node in enumerate(asset.nodes):
+        if node.parent in gone:
+            gone.add(index)
+    order = [i for i in range(len(asset.nodes)) if i not in gone]
+    number = {old: new for new, old in enumerate(order)}
+    nodes = [
+        replace(n, parent=number.get(n.parent, -1), joints=[number[j] for j in n.joints if j in number])
+        for n in (asset.nodes[i] for i in order)
+    ]
+    return replace(asset, nodes=nodes, active_camera=number.get(asset.active_camera, -1))
+
+
+def _selected(session: Session) -> tuple[Document, int, Path] | None:
+    document = session.document
+    row = root_of(document, document.primary) if document is not None and document.primary >= 0 else -1
+    path = path_of(document, row) if document is not None and row >= 0 else None
+    if document is None or path is None:
+        session.ui.notice = "Select an instance of a prefab"
+        return None
+    return document, row, path
+
+
+def poll(session: Session) -> None:
+    """Once a frame: bring the document in front up to date with prefabs whose files changed."""
+    from editor.reimporting import stamp_of
+
+    document, now = session.document, time.monotonic()
+    if document is None or not document.prefabs or now < session.prefabs_at or session.interacting:
+        return
+    session.prefabs_at = now + LOOK
+    stamps = {path: stamp_of(path) for path in document.prefabs}
+    if stamps == document.prefab_stamps:
+        return
+    document.prefab_stamps = stamps
+    changed = []
+    for path in document.prefabs:
+        try:
+            if instance_nodes(path, document.scene_path.parent) != document.prefabs[path]:
+                changed.append(path)
+        except LucarnaError as error:
+            if str(error) not in document.noted:
+                document.noted.add(str(error))
+                session.messages.error(error)
+    if changed:
+        names = ", ".join(p.name for p in changed)
+        _reopen(
+            session, document, saving.current_scene(document), f"Prefab {names} changed", of_view=not document.dirty
+        )
+
+
+def _reopen(
+    session: Session, document: Document, asset: SceneAsset, label: str,
+    steps: tuple[Callable[[], None], Callable[[], None]] | None = None, *, of_view: bool = False,
+) -> bool:  # fmt: skip
+    """Open `asset`, the document as it shall be, in its place; the instances in it come up to date as it is read."""
+    from editor.reimporting import last_import, once, origin_of
+    from importers.reimport.merging import rebased
+    from importers.reimport.record import Imported, write_record
+
+    root = user_cache_dir() / "merged"
+    folder = document.scene_path.resolve().parent
+    out: Path | None = None
+    try:
+        root.mkdir(parents=True, exist_ok=True)
+        out = Path(tempfile.mkdtemp(dir=root))
+        scene = out / document.scene_path.name
+        write_scene(scene, rebased(asset, folder, out, known=set()))
+        last = last_import(document)
+        if last is not None:
+            keys = origin_of(document, last)
+            write_record(scene, Imported(last.source, last.digest, last.scene, last.materials, keys, last.orphans))
+        if steps is not None:
+            steps[0]()
+        try:
+            saved_to = document.saved_to
+            if saved_to is None and not folder.is_relative_to(user_cache_dir().resolve()):
+                saved_to = document.scene_path
+            replacing.replace_scene(
+                session, document, scene, label, findings=document.findings, of_view=of_view, saved_to=saved_to,
+                steps=once(steps) if steps is not None else (_nothing, _nothing),
+                materials=replacing.unsaved_materials(document),
+            )  # fmt: skip
+        except LucarnaError:
+            if steps is not None:
+                steps[1]()
+            raise
+    except (LucarnaError, OSError) as error:
+        if out is not None:
+            shutil.rmtree(out, ignore_errors=True)
+        session.fail(error if isinstance(error, LucarnaError) else InputError(str(error), where=root))
+        return False
+    session.ui.notice = label
+    return True
+
+
+def _nothing() -> None:
+    pass
