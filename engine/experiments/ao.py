@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -133,7 +134,7 @@ def way(ctx: Context, scene: OpenScene, chosen: Knobs) -> list[View]:
 def flicker(pictures: Sequence[F8], steady: Sequence[F8]) -> float:
     """How much the error changes from frame to frame, rms: `steady` are the same frames with many slices."""
     off = [a - b for a, b in zip(pictures, steady, strict=True)]
-    return float(np.sqrt(np.mean([(b - a) ** 2 for a, b in zip(off, off[1:], strict=False)])))
+    return float(np.sqrt(np.mean([(b - a) ** 2 for a, b in pairwise(off)])))
 
 
 def judge(ctx: Context, scene: OpenScene, chosen: Knobs, found: PixelTruth) -> Outcome:

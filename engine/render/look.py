@@ -13,7 +13,7 @@ from engine.render.facts import SceneFacts
 from engine.render.gi.state import IndirectState
 from engine.render.legends import Legend, depth_range, legend_of
 from engine.render.occlusion import radius_of
-from engine.render.settings import LIT_LOOK, ON_BLACK
+from engine.render.settings import LIT_LOOK, ON_BLACK, RenderSettings
 from engine.render.view import View
 from engine.scene.scene import Scene
 

@@ -76,7 +76,7 @@ def occlusion_of(settings: RenderSettings, *, lit: bool, solid: bool, live: bool
 
 
 def turns_of(frame: int) -> tuple[float, float]:
-    """By how much of a turn, and of the way between two places, frame `frame` of a run looks elsewhere: each 16 in a row
+    """By how much of a turn, and of the way between two places, frame `frame` of a run looks elsewhere: 16 in a row
     have every place of the pattern of 4 x 4 pixels once, the next 16 what lies between."""
     return radical_inverse(frame, 2), radical_inverse(frame, 3)
 

@@ -17,7 +17,8 @@ vec3 expanded(vec3 c)
     float m = max(c.r, max(c.g, c.b));
     // below 1 by what float32 can tell, so that the brightest stays finite
     float x = (m - KNEE) / max(1.0 - m, 1e-6);
-    return c * ((m <= KNEE ? 1.0 : (KNEE + (1.0 - KNEE) * x) / m) / taa.exposure);
+    // no brighter than what is sanitised may be
+    return min(c * ((m <= KNEE ? 1.0 : (KNEE + (1.0 - KNEE) * x) / m) / taa.exposure), vec3(32000.0));
 }
 
 // Luma and two differences of colour (Malvar, Sullivan 2003).

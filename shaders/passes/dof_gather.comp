@@ -1,5 +1,6 @@
 // What falls on a pixel of half size: each place around gives its light evenly to the disc it is spread over. Behind the
 // plane of focus nothing spreads over what is nearer; before it, it covers what is behind.
+#include "lib/focus.glsl"
 #include "lib/half_float.glsl"
 #include "lib/math.glsl"
 
@@ -17,6 +18,7 @@ void main()
     ivec2 size = textureSize(t_half, 0);
     if (any(greaterThanEqual(p, size))) return;
     vec4 own = texelFetch(t_half, p, 0);
+    own.a = kept_radius(own.a);
     ivec2 tiles = textureSize(t_tiles, 0);
     ivec2 tile = p / int(dof.tile);
     float reach = 0.0;
@@ -41,6 +43,7 @@ void main()
         ivec2 q = clamp(p + ivec2(round(off * vec2(cos(turn), sin(turn)))), ivec2(0), size - 1);
         off = length(vec2(q - p));  // where it is, not where it was looked for: what is sharp stays in its texel
         vec4 c = texelFetch(t_half, q, 0);
+        c.a = kept_radius(c.a);
         float radius = max(abs(c.a), 0.5);
         if (c.a <= 0.5) {
             // no farther over what is nearer than that is blurred itself; where that is before the plane, all of it

@@ -1,6 +1,7 @@
 // The picture at half size with the discs' radii: of four pixels, those that are about as far off as the nearest of them.
 // And the picture as it is, beside.
 #include "lib/depth_read.glsl"
+#define FOCUS 1
 #include "lib/focus.glsl"
 #include "lib/half_float.glsl"
 #include "lib/math.glsl"
@@ -30,5 +31,5 @@ void main()
         float counts = 1.0 / (1.0 + 8.0 * max(abs(nearest - radii[k]) - 0.5, 0.0));
         sum += counts * vec4(sanitise(c.rgb), 1.0);
     }
-    imageStore(i_half, p, vec4(nearest_half(sum.rgb / sum.a), 0.5 * nearest));
+    imageStore(i_half, p, vec4(nearest_half(sum.rgb / sum.a), stored_radius(nearest)));
 }

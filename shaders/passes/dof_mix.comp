@@ -1,5 +1,6 @@
 // Sharp where it is sharp, blurred by how wide the pixel's own disc is, and what is before the plane of focus over it.
 #include "lib/depth_read.glsl"
+#define FOCUS 1
 #include "lib/focus.glsl"
 #include "lib/half_float.glsl"
 #include "lib/math.glsl"
@@ -28,7 +29,7 @@ void main()
         ivec2 q = clamp(from + corner, ivec2(0), last);
         vec2 w = mix(1.0 - t, t, vec2(corner));
         float weight = w.x * w.y;
-        float other = 2.0 * texelFetch(t_half, q, 0).a;
+        float other = 2.0 * kept_radius(texelFetch(t_half, q, 0).a);
         // of what is as blurred as this pixel is
         float alike = weight / (0.1 + abs(other - radius));
         behind += alike * vec4(texelFetch(t_behind, q, 0).rgb, 1.0);
@@ -38,5 +39,5 @@ void main()
     vec3 blurred = behind.rgb / max(behind.a, 1e-6);
     vec3 result = mix(sanitise(own.rgb), blurred, smoothstep(0.75, 2.0, abs(radius)));
     result = result * (1.0 - before.a) + before.rgb;
-    imageStore(i_hdr, p, vec4(nearest_half(min(result, vec3(32000.0))), own.a));
+    imageStore(i_hdr, p, vec4(nearest_half(min(result, vec3(32000.0))), coverage(own.a)));
 }

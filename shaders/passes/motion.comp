@@ -26,7 +26,7 @@ void main()
     }
 #if MOVING
     vec2 drawn = texelFetch(t_drawn, p, 0).rg;
-    if (motion.drawn > 0.5 && drawn.x < 60000.0) moved = drawn;
+    if (motion.drawn > 0.5 && drawn.x < 31000.0) moved = drawn;
 #endif
     imageStore(i_motion, p, vec4(moved, 0.0, 0.0));
 }

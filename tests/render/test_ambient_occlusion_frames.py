@@ -108,8 +108,8 @@ def test_a_picture_that_depends_on_the_scene_alone_has_none_of_it(stage, surface
 
 @pytest.mark.parametrize("half", [False, True])
 def test_no_ghost_where_a_thing_went_away(stage, surface, half) -> None:
-    """The block goes a third of the picture off: the wall there is open two frames later, the whole as near to the truth as
-    without a past eight frames later."""
+    """The block goes a third of the picture off: the wall there is open two frames later, the whole as near to
+    the truth as without a past eight frames later."""
     block = niche(stage, surface)
     live(stage, frames=8, cut=True, ao_half=half)
     stage.runtime.scene.nodes.set_translation([block], [(0.6, 0.0, 0.0)])
@@ -190,7 +190,9 @@ def _above(scale: float) -> np.ndarray:
 def test_smaller_depths_are_looked_at_far_off_only_and_say_about_the_same(stage, surface) -> None:
     niche(stage, surface)
     near = {"ao_directions": 4, "ao_radius": 0.12}
-    assert np.array_equal(still(stage, ao_mips=True, **near), still(stage, **near)), "within 16 pixels there is no other"
+    assert np.array_equal(still(stage, ao_mips=True, **near), still(stage, **near)), (
+        "within 16 pixels there is no other"
+    )
     far = {"ao_directions": 4, "ao_radius": 2.0}
     plain, smaller = still(stage, **far), still(stage, ao_mips=True, **far)
     assert 0.0 < rmse(plain, smaller) < 0.02

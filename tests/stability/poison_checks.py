@@ -29,9 +29,19 @@ def full_stage(device: Device) -> Stage:
     return stage
 
 
-def full_view(stage: Stage, samples: int = 1, path: str = "auto") -> View:
+#: passes that leave the picture as it is unless they are asked for, forced or not: how to ask
+ASKED: dict[str, dict[str, object]] = {
+    "taa": {"antialias": "taa", "taa_frames": 1},
+    "depth_of_field": {"depth_of_field": True, "focus": 1.0, "sensor": 300.0},
+}
+
+
+def full_view(stage: Stage, samples: int = 1, path: str = "auto", name: str = "") -> View:
     camera = front_camera(0.6, SIZE[0] / SIZE[1])
-    return stage.view(SIZE, camera, samples=samples, shadow_size=32, shadow_cascades=1, force_all=True, path=path)
+    more = ASKED.get(name, {})
+    return stage.view(
+        SIZE, camera, samples=samples, shadow_size=32, shadow_cascades=1, force_all=True, path=path, **more
+    )  # fmt: skip
 
 
 def has_declared_reach(item: Pass) -> None:
@@ -45,7 +55,7 @@ def pass_contains_poison(stage: Stage, item: Pass, value: float, samples: int = 
     """Plant `value` in each input of `item`, one texel at a time; returns how many plants were tried."""
     has_declared_reach(item)
     assert item.reach is not None
-    view = full_view(stage, samples, path)
+    view = full_view(stage, samples, path, item.name)
     clean = poison.shoot(stage.runtime, view, item.name)
     assert any(p.name == item.name for p in clean.graph.passes), f"pass {item.name!r} did not run"
     again = poison.shoot(stage.runtime, view, item.name)

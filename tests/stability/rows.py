@@ -176,7 +176,7 @@ ROWS = (
     Row("light.tile-edges", "tiles of any size at odd sizes of the picture"),
     Row("light.path-agreement", "deferred = tiled = forward+"),
     Row(
-        "light.occlusion", "Alchemy, horizon-based: the border, any field of view, radius below a pixel, above the screen",
+        "light.occlusion", "Alchemy, horizon-based: border, any field of view, radius below a pixel, above the screen",
         (_AO + "test_a_plane_hides_nothing_of_itself", _AO + "test_no_radius_is_too_small_or_too_large",
          _AO + "test_beside_a_wall"),
     ),

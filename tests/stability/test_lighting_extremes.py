@@ -1,5 +1,5 @@
-"""Extremes of what makes light sit: occlusion, light between surfaces, mirrors, shadows and frames over time, each alone
-and all together."""
+"""Extremes of what makes light sit: occlusion, light between surfaces, mirrors, shadows and frames over time, each
+alone and all together."""
 
 from __future__ import annotations
 
@@ -15,21 +15,23 @@ from engine.assets.scene import LightAsset
 from engine.math.transform import look_at
 from engine.render.camera import Camera
 from engine.render.occlusion import METHODS
-from tests.stability.metamorphic import Change, differing, picture
+from tests.stability.metamorphic import Change, Placer, differing
 from tests.stability.rows import covers
 from tests.support.stage import DARK, Stage, front_camera, surface
 
 pytestmark = pytest.mark.gl
 
-#: what is switched on -> (scene of metamorphic.py that shows it, settings)
-EFFECTS: dict[str, tuple[str, dict[str, Any]]] = {
-    "gtao": ("outdoors", {"ambient_occlusion": "gtao", "ao_mips": True}),
-    "alchemy": ("outdoors", {"ambient_occlusion": "alchemy"}),
-    "gi": ("lamps", {"gi": "one"}),
-    "reflections": ("outdoors", {"reflections": True}),
-    "lamp shadows": ("lamps", {"local_shadows": "all", "local_shadow_size": 256}),
-    "taa": ("outdoors", {"antialias": "taa", "taa_frames": 4}),
+#: what is switched on -> settings
+EFFECTS: dict[str, dict[str, Any]] = {
+    "gtao": {"ambient_occlusion": "gtao", "ao_mips": True},
+    "alchemy": {"ambient_occlusion": "alchemy"},
+    "gi": {"gi": "one"},
+    "reflections": {"reflections": True},
+    "lamp shadows": {"local_shadows": "all", "local_shadow_size": 256},
+    "taa": {"antialias": "taa", "taa_frames": 4},
 }
+SIZE = (72, 56)
+SAME = Change()
 ALL: dict[str, Any] = {
     "ambient_occlusion": "gtao", "ao_temporal": True, "ao_mips": True, "gi": "many", "gi_bounces": 2,
     "reflections": True, "local_shadows": "all", "local_shadow_size": 128, "shadow_size": 128, "antialias": "taa",
@@ -39,34 +41,45 @@ MATT = {"base_color": (0.6, 0.6, 0.6, 1.0), "metallic": 0.0}
 CAMERA = Camera(look_at((2.0, 2.0, 3.0), (0.0, 0.3, 0.0)), 0.8, znear=0.02)
 
 
+def shot(stage: Stage, change: Change = SAME, camera: Camera = CAMERA, **settings: Any) -> np.ndarray:
+    """A shiny floor with a ball and a block on it, under a lamp and an even sky; scaled or moved as a whole."""
+    p = Placer(stage, change)
+    stage.look(kind="uniform", color=(0.4, 0.5, 0.6), sun_illuminance=0.0)
+    p.add(plane(4.0), (0.0, 0.0, 0.0), base_color=(0.6, 0.6, 0.6, 1), metallic=0.0, roughness=0.1)
+    p.add(uv_sphere(), (-0.6, 0.5, 0.0), base_color=(0.9, 0.3, 0.2, 1), metallic=0.0, roughness=0.3)
+    p.add(cube(), (0.5, 0.5, 0.0), (0.0, 1.0, 0.0), 0.5, base_color=(0.3, 0.8, 0.4, 1), metallic=0.0)
+    p.lamp(LightAsset("point", intensity=4.0, range=8.0, casts_shadow=True), (0.2, 2.5, 1.5))
+    return stage.hdr(SIZE, change.camera(camera), **settings)
+
+
 @covers("pose.tiny-and-huge")
 @pytest.mark.parametrize("scale", [1e-4, 1e4])
 @pytest.mark.parametrize("effect", EFFECTS)
 def test_scaled_with(stage: Stage, effect: str, scale: float) -> None:
-    scene, settings = EFFECTS[effect]
-    whole = picture(stage, scene, **settings)
-    assert differing(picture(stage, scene), whole) > 5e-3, "the effect shows"
-    assert differing(whole, picture(stage, scene, Change(scale=scale), **settings)) < 4e-3
+    settings = EFFECTS[effect]
+    whole = shot(stage, **settings)
+    assert differing(shot(stage, local_shadows="off"), whole) > 0.02, "the effect shows"
+    assert differing(whole, shot(stage, Change(scale=scale), **settings)) < 4e-3
 
 
 @covers("pose.far-from-the-origin")
 @pytest.mark.parametrize("effect", EFFECTS)
 def test_moved_with(stage: Stage, effect: str) -> None:
-    scene, settings = EFFECTS[effect]
+    settings = EFFECTS[effect]
     moved = Change(offset=(-1e6, 2e6, 1e6))
-    assert differing(picture(stage, scene, **settings), picture(stage, scene, moved, **settings)) < 4e-3
+    assert differing(shot(stage, **settings), shot(stage, moved, **settings)) < 4e-3
 
 
 @covers("depth.near-and-far")
 @pytest.mark.parametrize("effect", EFFECTS)
 def test_a_near_plane_of_a_millimetre_changes_nothing(stage: Stage, effect: str) -> None:
     """And what stands a thousand kilometres behind is there, and is no number less."""
-    scene, settings = EFFECTS[effect]
-    usual = picture(stage, scene, **settings)
-    camera = replace(front_camera(0.9, 72 / 56), znear=1e-3, zfar=1e6)
-    assert differing(usual, stage.hdr((72, 56), camera, **settings)) < 6e-3
+    settings = EFFECTS[effect]
+    usual = shot(stage, **settings)
+    camera = replace(CAMERA, znear=1e-3, zfar=1e6)
+    assert differing(usual, shot(stage, camera=camera, **settings)) < 4e-3
     stage.add(card(1e6), surface(**MATT), (0.0, 0.0, -1e6))
-    assert np.isfinite(stage.hdr((72, 56), camera, **settings)).all()
+    assert np.isfinite(stage.hdr(SIZE, camera, **settings)).all()
 
 
 def corner(stage: Stage, **look: Any) -> None:
@@ -139,9 +152,10 @@ def test_normals_that_are_none(stage: Stage) -> None:
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("fov", [0.3, 1.2, 2.4])
 def test_a_plane_is_open_up_to_the_border(stage: Stage, method: str, fov: float) -> None:
-    """At the picture's border half of what is around is not seen: that hides nothing."""
+    """At the picture's border half of what is around is not seen: that hides nothing. Slices of gtao are 1 in their
+    mean alone, and the filter has no whole period of them there."""
     stage.look(kind="uniform", color=(1.0, 1.0, 1.0))
     stage.add(card(400.0), surface())
     camera = Camera(look_at((0.0, 0.6, 0.8), (0.0, 0.0, 0.0)), fov, znear=0.01)
     seen = stage.hdr((64, 48), camera, ambient_occlusion=method, ao_radius=0.4, view="ambient_occlusion")[..., 0]
-    assert np.abs(seen - 1.0).max() < (0.02 if method == "alchemy" else 0.01)
+    assert np.abs(seen - 1.0).max() < (0.01 if method == "hbao" else 0.02)

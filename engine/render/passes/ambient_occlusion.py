@@ -145,7 +145,8 @@ def _row(ctx: PassContext) -> np.ndarray[Any, Any]:
 
 
 def _dispatch(
-    ctx: PassContext, shader: str, defines: dict[str, Any], inputs: dict[int, Any], images: dict[int, Any], block: Buffer
+    ctx: PassContext, shader: str, defines: dict[str, Any], inputs: dict[int, Any], images: dict[int, Any],
+    block: Buffer,
 ) -> None:  # fmt: skip
     """Run a compute shader over the texels of image 1: (texture, level, access)."""
     frame: RenderFrame = ctx.frame

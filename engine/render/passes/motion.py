@@ -29,7 +29,7 @@ from engine.render.motion.programs import BLOCK, ROLE, MotionPrograms
 #: rg16f, pixels; and what was drawn of it
 MOTION, DRAWN = "motion", "motion_drawn"
 #: in DRAWN where nothing moved by itself
-UNMOVED = 65504.0
+UNMOVED = 32000.0
 
 
 class MotionPass(Pass):
