@@ -45,6 +45,8 @@ SCENES = (MADE + "room", MADE + "blocks", MADE + "box", MADE + "nave", MADE + "a
 SLICES, PLACES = ((1, 2), (1, 4), (2, 4), (3, 4), (2, 8), (4, 8), (8, 16)), (4, 9, 16, 32, 64)
 #: what the thesis takes: so many places of the Alchemy method (its ch. 6)
 THESIS = ("alchemy", 1, 9)
+#: of a time, that two settings may lie apart and count as equal: what runs differ by
+SAME_TIME = 0.05
 RAYS = 64
 #: frames of a camera that goes round what it looks at, and how far it goes in each, radians
 FRAMES, STEP = 10, 0.004
@@ -169,7 +171,7 @@ def tables(ctx: Context, points: Sequence[Point]) -> Iterable[Table]:
 
 
 def against_the_thesis(points: Sequence[Point]) -> Table:
-    """The default and the best setting that takes no longer than the thesis's own, beside it, on every scene."""
+    """The default and the best setting that takes as long as the thesis's own, beside it, on every scene."""
     rows: list[list[str]] = []
     good = [p for p in points if p.status == "ok" and p.ms is not None]
     for scene in dict.fromkeys(p.knobs["scene"] for p in good):
@@ -179,7 +181,8 @@ def against_the_thesis(points: Sequence[Point]) -> Table:
         if theirs is None or ours is None:
             continue
         limit = _ms(theirs)
-        quick = [p for p in here if _ms(p) <= limit and p.knobs["method"] != "alchemy" and p.knobs["frames"] == 1]
+        others = [p for p in here if p.knobs["method"] != "alchemy" and p.knobs["frames"] == 1]
+        quick = [p for p in others if _ms(p) <= limit * (1.0 + SAME_TIME)]
         best = min(quick, key=lambda p: p.error["rmse"], default=None)
         rows.append([
             short(str(scene)), f"{theirs.error['rmse']:.4f}", f"{limit:.2f}", f"{ours.error['rmse']:.4f}",
@@ -187,7 +190,7 @@ def against_the_thesis(points: Sequence[Point]) -> Table:
             f"{theirs.error['rmse'] / best.error['rmse']:.2f}" if best else "",
         ])  # fmt: skip
     header = [
-        "scene", "Alchemy, 9 places: rmse", "ms", "default: rmse", "ms", "best in no more time", "rmse", "times nearer",
+        "scene", "Alchemy, 9 places: rmse", "ms", "default: rmse", "ms", "best in that time", "rmse", "times nearer",
     ]  # fmt: skip
     return Table("Against the thesis's 9 places of the Alchemy method", header, rows)
 

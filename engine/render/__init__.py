@@ -9,7 +9,11 @@ light_tables.py fitted lobes of area lights, IES profiles  lighting.py    by whi
 gbuffer.py      what a surface is packed into              light_lists.py buffers behind the light lists of tiles
 occlusion.py    which ambient occlusion a view has, how far it looks
 gi/             light from surface to surface and reflections: which a view has, layers, gather, what is kept
-bloom.py        how widely a lens scatters light        exposure.py  what an eye has got used to
+bloom.py        how widely a lens scatters light        exposure.py  what the eye of each view has got used to
+focus.py        how wide a point out of focus is        temporal.py  which frames a TAA picture is gathered from
+motion/         the frame before of each view: where everything was, and when that tells anything (conventions)
+presets.py      sets of settings from quick to good     look.py      what a frame shows besides surfaces and lights
+scene_rows.py   what the device holds of a scene        frame_facts.py, light_path.py: the facts of a frame
 depth_range.py  how deep an orthographic view is drawn
 light_groups.py what lights reach, one by one and in groups of neighbours
 passes/         one pass a file, its shader of the same name in shaders/passes

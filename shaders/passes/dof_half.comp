@@ -26,7 +26,7 @@ void main()
     for (int k = 0; k < 4; ++k) {
         ivec2 q = 2 * p + ivec2(k & 1, k >> 1);
         vec4 c = texelFetch(t_hdr, min(q, last), 0);
-        if (all(lessThanEqual(q, last))) imageStore(i_sharp, q, c);
+        if (all(lessThanEqual(q, last))) imageStore(i_sharp, q, vec4(sanitise(c.rgb), coverage(c.a)));
         // light of all four goes somewhere: what is much farther off than the nearest counts little here
         float counts = 1.0 / (1.0 + 8.0 * max(abs(nearest - radii[k]) - 0.5, 0.0));
         sum += counts * vec4(sanitise(c.rgb), 1.0);

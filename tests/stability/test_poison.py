@@ -18,8 +18,9 @@ pytestmark = pytest.mark.gl
 
 #: pass name -> (pass, the path that it is tried in)
 PASSES = {item.name: (item, path) for path, make in reversed(PATHS.items()) for item in make()}
-#: deferred paths have one sample a pixel
-MULTISAMPLED = [name for name, (_, path) in PASSES.items() if path in ("forward", "forward-plus")]
+#: deferred paths have one sample a pixel, and these passes work with one only
+ONE_SAMPLE = ("taa", "depth_of_field")
+MULTISAMPLED = [n for n, (_, path) in PASSES.items() if path in ("forward", "forward-plus") and n not in ONE_SAMPLE]
 
 
 @pytest.fixture

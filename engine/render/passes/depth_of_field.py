@@ -1,7 +1,8 @@
 """Depth of field: what is out of focus is spread over discs, gathered at half size, and laid over what is sharp.
 
-What is before the plane of focus is kept apart from what is behind it. After Jimenez 2014, "Next Generation Post Processing
-in Call of Duty: Advanced Warfare" (the two layers, tiles of the widest disc before the plane) and Abadie 2018, "A Life of a Bokeh" (a disc's light goes evenly over its area)."""
+What is before the plane of focus is kept apart from what is behind it. After Jimenez 2014, "Next Generation Post
+Processing in Call of Duty: Advanced Warfare" (two layers, tiles of the widest disc before the plane) and Abadie 2018,
+"A Life of a Bokeh" (a disc's light goes evenly over its area). Before TAA, whose mean has edges of no one depth."""
 
 from __future__ import annotations
 
