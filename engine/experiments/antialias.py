@@ -1,14 +1,15 @@
 """Smooth edges: several samples a pixel, a filter over the finished picture, many frames, against 64 pixels for each.
 
 What one sample a pixel has missed no filter brings back; it only makes steps into slopes. Highlights and textures are
-shaded once a pixel in all of them but TAA: their error is in every other point. TAA is judged when the picture has
-rested for twice its frames, and while the camera turns by a quarter of a degree a frame; its time is that of one frame.
+shaded once a pixel in all of them but TAA: their error is in every other point. A choice must hold in motion: every
+mode is judged by the worse of two errors, of a picture that has rested for twice the frames that TAA gathers and of the
+last one of a turn by a quarter of a degree a frame. Its time is that of one frame.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 
 from engine.experiments.harness.context import Context, OpenScene
 from engine.experiments.harness.experiment import Experiment, Knobs, Outcome, Trial
+from engine.experiments.harness.moving_shapes import left_behind, thin_line
 from engine.experiments.harness.pictures import beside_truth
 from engine.experiments.harness.pixel_truth import redrawn
 from engine.experiments.harness.scenes import MADE, open_scene, own_or, short
@@ -28,13 +30,13 @@ from engine.render.settings import RenderSettings
 from engine.render.view import View
 from engine.report.metrics import rmse
 from engine.report.perceptual import flip
-from engine.report.records import Floor
+from engine.report.records import Floor, Point, Table
 
 Bytes = NDArray[np.uint8]
 
 SCENES = (MADE + "metals", MADE + "blocks")
-#: TAA while the camera turns, by so much a frame, in radians; frames that it has turned for
-TURNING, STEP, TURNED = "taa turning", math.radians(0.25), 16
+#: radians that the camera turns by in a frame; frames that it has turned for
+STEP, TURNED = math.radians(0.25), 16
 #: pixels of the truth for each pixel, each way
 FINER = 8
 
@@ -52,7 +54,7 @@ def knobs(ctx: Context) -> list[dict[str, Any]]:
     for scene in scenes(ctx):
         found += [{"scene": scene, "form": form, "samples": 1} for form in ("none", "fxaa", "smaa")]
         frames = (16,) if ctx.quick else (4, 8, 16, 32)
-        found += [{"scene": scene, "form": form, "samples": n} for form in ("taa", TURNING) for n in frames]
+        found += [{"scene": scene, "form": "taa", "samples": n} for n in frames]
         found += [{"scene": scene, "form": "msaa", "samples": n} for n in (2, 4, 8) if has_samples(ctx, n)]
     return found
 
@@ -79,11 +81,11 @@ def turned(camera: Camera, angle: float) -> Camera:
     return replace(camera, world_from_camera=turn @ camera.world_from_camera)
 
 
-def live(seen: View, form: str, frames: int) -> Iterator[View]:
-    """The views of a run of TAA, the last of them as `seen` looks."""
-    for left in range(TURNED if form == TURNING else 2 * frames, -1, -1):
-        camera = turned(seen.camera, STEP * left) if form == TURNING else seen.camera
-        yield replace(seen, camera=camera, seconds=1.0 / 60.0)
+def live(seen: View, frames: int, *, turning: bool = False) -> Iterator[View]:
+    """The views of a run of pictures that begins with a cut, the last of them as `seen` looks."""
+    for left in range(TURNED if turning else 2 * frames, -1, -1):
+        camera = turned(seen.camera, STEP * left) if turning else seen.camera
+        yield replace(seen, camera=camera, seconds=1.0 / 60.0, cut=left == (TURNED if turning else 2 * frames))
 
 
 def run(ctx: Context, chosen: Knobs) -> Trial:
@@ -91,33 +93,77 @@ def run(ctx: Context, chosen: Knobs) -> Trial:
     width, height = size(ctx)
     scene = open_scene(ctx, name)
     best = ctx.once(f"truth {name}", lambda: truth(scene, width, height))
-    temporal = form in ("taa", TURNING)
+    temporal = form == "taa"
     how: dict[str, Any] = {
         "samples": 1 if temporal else count,
-        "antialias": form if form in ("fxaa", "smaa") else "none",
+        "antialias": form if form != "msaa" else "none",
+        "taa_frames": count if temporal else RenderSettings().taa_frames,
     }
-    if temporal:
-        how |= {"antialias": "taa", "taa_frames": count}
     seen = view(scene, width, height, **how)
-    if temporal:
-        seen.seconds = 1.0 / 60.0
+    seen.seconds = 1.0 / 60.0
 
     def judge() -> Outcome:
-        for step in live(seen, form, count) if temporal else [seen]:
-            got = picture(scene, step)
-        label = f"{short(name)}, {form} {count}"
-        shown = count in (1, 4, 16) and (form != "taa" or count == 16)
-        error = {"rmse_8_bit": rmse(got, best), "flip": flip(got, best)[0]}
-        return Outcome(
-            error, pictures=beside_truth(ctx, label, got, f"{FINER**2} pixels for one", best) if shown else []
-        )
+        label, error, pictures = f"{short(name)}, {form} {count}", {}, []
+        for where, turning in (("at_rest", False), ("turning", True)):
+            for step in live(seen, count if temporal else 0, turning=turning):
+                got = picture(scene, step)
+            error[where], error[f"flip_{where}"] = rmse(got, best), flip(got, best)[0]
+            if count == (16 if temporal else min(count, 4)) and (temporal or not turning):
+                told = f"{label}, {where.replace('_', ' ')}"
+                pictures += beside_truth(ctx, told, got, f"{FINER**2} pixels for one", best)
+        error["rmse_8_bit"] = max(error["at_rest"], error["turning"])
+        error["flip"] = max(error.pop("flip_at_rest"), error.pop("flip_turning"))
+        return Outcome(error, pictures=pictures)
 
     return redrawn(ctx, scene, seen, judge)
 
 
+def tables(ctx: Context, points: Sequence[Point]) -> Iterator[Table]:
+    """Both errors of every mode: which of them it is judged by."""
+    for scene in scenes(ctx):
+        rows = [
+            [
+                f"{p.knobs['form']} {p.knobs['samples']}", f"{p.error['at_rest']:.2f}", f"{p.error['turning']:.2f}",
+                f"{p.error['rmse_8_bit']:.2f}", f"{p.ms.median:.2f}" if p.ms else "",
+            ]
+            for p in points
+            if p.status == "ok" and p.knobs["scene"] == scene
+        ]  # fmt: skip
+        yield Table(
+            f"{short(scene)}: at rest and while the camera turns by {math.degrees(STEP):g} degrees a frame",
+            ["mode", "rmse at rest [8-bit steps]", "turning", "the worse", "time [ms]"], rows,
+            "What keeps nothing between frames has one picture for both: the last one of the turn looks from the same"
+            " place.",
+        )  # fmt: skip
+    yield in_motion(ctx)
+
+
+def in_motion(ctx: Context) -> Table:
+    """What a frame drags along, and what becomes of a line thinner than a pixel."""
+    modes: dict[str, dict[str, Any]] = {form: {"samples": 1, "antialias": form} for form in ("none", "fxaa", "smaa")}
+    modes |= {"taa 16": {"samples": 1, "antialias": "taa", "taa_frames": 16}}
+    modes |= {f"msaa {n}": {"samples": n} for n in (4, 8) if has_samples(ctx, n)}
+    assert ctx.device is not None, "the experiment needs a device"
+    rows = []
+    for mode, settings in modes.items():
+        line = thin_line(ctx.device, settings)
+        rows.append([
+            mode, f"{100.0 * left_behind(ctx.device, settings):.2g} %", f"{100.0 * (line.light - 1.0):+.2g} %",
+            f"{100.0 * line.flicker:.2g} %", f"{100.0 * line.gaps:.2g} %",
+        ])  # fmt: skip
+    return Table(
+        "What moves: a card that goes 3 pixels a frame, and a line of half a pixel that goes a third of one",
+        ["mode", "light left behind the card", "light of the line", "it flickers by", "of the line is missing"], rows,
+        "Left behind: the brightest pixel that the card is not near any more, of the card's light. The line: more"
+        " or less light than it has; standard deviation from frame to frame; columns where it has less than a quarter of its"
+        " light.",
+    )  # fmt: skip
+
+
 EXPERIMENT = Experiment(
     title="Anti-aliasing against supersampling",
-    method="one sample a pixel, with FXAA or SMAA, over frames (TAA), or 2, 4 and 8 samples (MSAA); whole frame",
+    method="one sample a pixel, with FXAA or SMAA, over frames (TAA), or 2, 4 and 8 samples (MSAA); whole frame; the"
+    " worse of at rest and turning",
     truth="64 pixels for each pixel, averaged in linear light after the tone map",
     metric="rmse_8_bit",
     unit="8-bit steps",
@@ -126,6 +172,7 @@ EXPERIMENT = Experiment(
     curve="form",
     problem="scene",
     run=run,
+    tables=tables,
     needs=frozenset({"gpu"}),
     own_scene=True,
     timed="gpu",

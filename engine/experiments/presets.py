@@ -86,7 +86,7 @@ def run(ctx: Context, chosen: Knobs) -> Trial:
 
     def judge() -> Outcome:
         temporal = seen.settings.antialias == "taa"
-        for step in live(seen, "taa", int(seen.settings.taa_frames)) if temporal else [seen]:
+        for step in live(seen, int(seen.settings.taa_frames)) if temporal else [seen]:
             got = picture(scene, step)
         error = {"flip": flip(got, best)[0], "rmse_8_bit": rmse(got, best)}
         label = f"{short(name)}, {chosen['preset']}"

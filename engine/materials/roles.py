@@ -15,6 +15,7 @@ TARGETS: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "gbuffer": ("color", "gbuffer0", "gbuffer1", "gbuffer2"),
         "depth": (),
         "shadow": (),
+        "tint": ("tint",),
         "layer": ("shape", "light"),
         "motion": ("motion",),
     }
@@ -30,6 +31,7 @@ ABSENT: Mapping[str, str] = MappingProxyType(
         "gbuffer": "is drawn by its technique for forward, behind the lighting",
         "depth": "is not in the depth that is drawn first; all local lights are looked at for it",
         "shadow": "casts no shadow",
+        "tint": "lets the sun through as if it were not there, where shadows are translucent",
         "layer": "sends no light to other surfaces, and reflections do not show it",
         "motion": "is taken for standing still by what is gathered over frames",
     }

@@ -21,7 +21,16 @@ from numpy.typing import NDArray
 from engine.gpu.types import Buffer, Device
 from engine.materials.features import resolve_features
 from engine.render.draw_commands import COMMAND_DTYPE, Template, chosen, empty_template, fit_buffer, runs_of
-from engine.render.draw_states import QUEUE_ORDER, Batch, DrawState, caster_state, casts_shadow, sides_of, sort_key
+from engine.render.draw_states import (
+    QUEUE_ORDER,
+    Batch,
+    DrawState,
+    caster_state,
+    casts_shadow,
+    sides_of,
+    sort_key,
+    tints_light,
+)
 from engine.resources.material_store import MaterialRecord
 from engine.resources.residency import Residency
 from engine.scene.scene import Scene
@@ -67,6 +76,13 @@ class DrawList:
         self.receiving = np.zeros(0, np.bool_)
         #: batches of each shadow map; their commands lie in `caster_commands`
         self.caster_batches: list[list[Batch]] = []
+        #: bool[instances]: what tints the light that it lets through, and the same of the sun's maps of that
+        self.tinting = np.zeros(0, np.bool_)
+        self._tints = empty_template()
+        self._tint_batches: list[tuple[int, int]] = []
+        self.tint_ids: Buffer = device.buffer(4, label="tint ids")
+        self.tint_commands: Buffer = device.buffer(20, label="tint commands")
+        self.tint_batches: list[list[Batch]] = []
         #: the same of the tiles of local lights
         self.lamp_ids: Buffer = device.buffer(4, label="lamp caster ids")
         self.lamp_commands: Buffer = device.buffer(20, label="lamp caster commands")
@@ -135,8 +151,9 @@ class DrawList:
         self._write_objects(scene)
         if count == 0:
             self._solid, self._glass, self._casters = empty_template(), empty_template(), empty_template()
-            self._caster_batches = []
-            self.casting = self.receiving = np.zeros(0, np.bool_)
+            self._tints = empty_template()
+            self._caster_batches, self._tint_batches = [], []
+            self.casting = self.receiving = self.tinting = np.zeros(0, np.bool_)
             self._solid_batches, self._combos = [], []
             return True
         mirrored = self._mirrored[_placing_nodes(scene)]
@@ -180,6 +197,9 @@ class DrawList:
         plain = [caster_state(s, effects[s.effect]) if casts_shadow(s, effects[s.effect]) else s for s in states]
         self._casters = self._template(plain, shapes, inverse, self.casting)
         self._caster_batches = runs_of(self._casters.states)
+        self.tinting = alive & np.array([tints_light(s, effects[s.effect]) for s in states])[inverse]
+        self._tints = self._template(states, shapes, inverse, self.tinting) if self.tinting.any() else empty_template()
+        self._tint_batches = runs_of(self._tints.states)
 
     def _update_mirrored(self, scene: Scene) -> bool:
         """Which nodes turn their meshes inside out (negative determinant); True when that changed."""
@@ -309,23 +329,30 @@ class DrawList:
     def update_casters(self, masks: NDArray[np.bool_]) -> None:
         """Fill the batches of each shadow map: `masks` bool[maps, instances] of what is drawn into it."""
         self.caster_batches, self.caster_ids, self.caster_commands = self._fill_casters(
-            masks, self.caster_ids, self.caster_commands
+            masks, self._casters, self._caster_batches, self.caster_ids, self.caster_commands
+        )
+
+    def update_tints(self, masks: NDArray[np.bool_]) -> None:
+        """As `update_casters`, of what tints light."""
+        self.tint_batches, self.tint_ids, self.tint_commands = self._fill_casters(
+            masks, self._tints, self._tint_batches, self.tint_ids, self.tint_commands
         )
 
     def update_lamp_casters(self, masks: NDArray[np.bool_]) -> None:
         """As `update_casters`, for the tiles of local lights."""
         self.lamp_batches, self.lamp_ids, self.lamp_commands = self._fill_casters(
-            masks, self.lamp_ids, self.lamp_commands
+            masks, self._casters, self._caster_batches, self.lamp_ids, self.lamp_commands
         )
 
     def _fill_casters(
-        self, masks: NDArray[np.bool_], id_buffer: Buffer, command_buffer: Buffer
-    ) -> tuple[list[list[Batch]], Buffer, Buffer]:
+        self, masks: NDArray[np.bool_], template: Template, runs: list[tuple[int, int]], id_buffer: Buffer,
+        command_buffer: Buffer,
+    ) -> tuple[list[list[Batch]], Buffer, Buffer]:  # fmt: skip
         parts: list[tuple[NDArray[np.void], NDArray[np.intp]]] = []
         found: list[list[Batch]] = []
         first_command = first_id = 0
         for mask in masks:
-            commands, ids, batches = chosen(self._casters, self._caster_batches, mask, first_command, first_id)
+            commands, ids, batches = chosen(template, runs, mask, first_command, first_id)
             parts.append((commands, ids))
             found.append(batches)
             first_command += len(commands)
@@ -340,7 +367,7 @@ class DrawList:
     def release(self) -> None:
         for buffer in (
             self.objects, self.ids, self.commands, self.caster_ids, self.caster_commands, self.lamp_ids,
-            self.lamp_commands,
+            self.lamp_commands, self.tint_ids, self.tint_commands,
         ):  # fmt: skip
             buffer.release()
 

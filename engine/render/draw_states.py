@@ -62,6 +62,17 @@ def casts_shadow(state: DrawState, effect: Effect) -> bool:
     )
 
 
+def tints_light(state: DrawState, effect: Effect) -> bool:
+    """Blended, lit surfaces do, which let a part of the light through; what lies over the picture is no part of it."""
+    return (
+        state.blended
+        and state.queue != "overlay"
+        and state.topology in ("triangles", "triangle_strip")
+        and "unlit" not in state.features
+        and "tint" in effect.techniques
+    )
+
+
 def caster_state(state: DrawState, effect: Effect) -> DrawState:
     """`state` without what makes no difference in a depth map. Both faces are drawn: an open shell casts as well."""
     features = effect.active("shadow", state.features)
@@ -90,7 +101,7 @@ def sort_key(state: DrawState) -> tuple[object, ...]:
 def arena_streams(arena: MeshArena, effect: Effect, features: frozenset[str], role: str = "forward") -> tuple[str, ...]:
     """The streams that a variant with these features fetches: nothing that no one reads."""
     own = effect.techniques[role].streams if role in effect.techniques else ()
-    depth_only = role in ("depth", "shadow")
+    depth_only = role in ("depth", "shadow", "tint")
     wanted = ["position"] if depth_only else ["position", "normal"]
     if "normal_map" in features and not depth_only:
         wanted.append("tangent")

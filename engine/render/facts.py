@@ -27,6 +27,7 @@ class SceneFacts:
     hdr_output: bool = False
     force_all: bool = False
     sun_shadows: bool = False  # a sun, something that casts, something that is lit, and the view wants it
+    translucent_shadows: bool = False  # the above, and something blended tints the sun's light, and the view wants it
     shadow_quality: ShadowQuality = field(default_factory=ShadowQuality)
     alpha_to_coverage: bool = False  # cut-outs in the scene, several samples a pixel, and the view wants it
     lighting: Lighting = field(default_factory=Lighting)  # the default where there are no local lights
@@ -46,6 +47,7 @@ class SceneFacts:
     depth_of_field: bool = False
     taa: bool = False
     motion: bool = False  # something is gathered over frames, and wants to know where it was (engine/render/motion)
+    shadow_floor: bool = False  # a floor that only shadows are seen of, and something that throws them
     moving: bool = False  # a thing that is seen moved since the frame before, and the above
 
     @property
@@ -66,6 +68,7 @@ class SceneFacts:
             "ENVIRONMENT": int(self.environment or self.indirect.wanted or self.force_all),
             "SUNS": int(self.suns or self.force_all),
             "SUN_SHADOWS": int(self.sun_shadows or self.force_all),
+            "TRANSLUCENT_SHADOWS": int(self.translucent_shadows or self.force_all),
             "CASCADE_TINT": int(self.sun_shadows),  # a forced, empty map is no cascade to show
             "AMBIENT_OCCLUSION": self.ambient_occlusion.shading or int(self.force_all),
             "INDIRECT": int(self.indirect.wanted or self.force_all),

@@ -45,6 +45,7 @@ DFG_UNIT = 9
 INPUT_UNIT = 10
 SHADOW_UNIT = 11
 SHADOW_DEPTH_UNIT = 12
+SHADOW_TINT_UNIT = 23
 LIGHT_TILES_UNIT = 16
 GBUFFER_UNIT = 17
 DEPTH_UNIT = 20
@@ -190,11 +191,16 @@ class RenderFrame:
         )  # fmt: skip
 
     def draw_casters(
-        self, render_pass: RenderPass, batches: list[Batch], view_buffer: Buffer, *, lamps: bool = False
-    ) -> None:
-        """Draw the depth of casters as `view_buffer` (a view block) sees them. `lamps`: `batches` are lamp_batches."""
+        self, render_pass: RenderPass, batches: list[Batch], view_buffer: Buffer, *, lamps: bool = False,
+        other: OtherRole | None = None,
+    ) -> None:  # fmt: skip
+        """Draw the depth of casters as `view_buffer` (a view block) sees them. `lamps`: `batches` are lamp_batches;
+        `other`: the role of a pass with pipelines of its own, which draws tint_batches."""
         draws = self.draws
         ids, commands = (draws.lamp_ids, draws.lamp_commands) if lamps else (draws.caster_ids, draws.caster_commands)
+        if other is not None:
+            ids, commands = draws.tint_ids, draws.tint_commands
+        role = other.role if other else "shadow"
         for batch in batches:
             state = batch.state
             arena = self.residency.arenas[state.arena]
@@ -213,10 +219,13 @@ class RenderFrame:
                     textures=materials.bindings(state.group) if state.group >= 0 else {},
                 )
             )
-            for index in range(self.programs.passes(state, self.facts, "shadow")):
-                if not self.programs.ahead.wants((state, "shadow", index)):
+            for index in range(self.programs.passes(state, self.facts, role)):
+                if not self.programs.ahead.wants((state, role, index)):
                     continue
-                render_pass.set_pipeline(self.programs.shadow(state, arena, self.facts, index))
+                if other is not None:
+                    render_pass.set_pipeline(other.program(state, index))
+                else:
+                    render_pass.set_pipeline(self.programs.shadow(state, arena, self.facts, index))
                 render_pass.multi_draw_indexed_indirect(commands, batch.first, batch.count)
 
 

@@ -12,6 +12,7 @@ from engine.render.look import tone_map_of
 from engine.render.occlusion import occlusion_of
 from engine.render.scene_rows import SceneRows
 from engine.render.settings import LIT_LOOK, ON_BLACK
+from engine.render.shadows.floor import floor_wanted
 from engine.render.shadows.quality import ShadowQuality, filter_for
 from engine.render.temporal import taa_wanted
 from engine.render.view import View
@@ -53,7 +54,9 @@ def facts_of(
         area_lights=rows.light_tables.area,
         light_profiles=rows.light_tables.profiles,
         sun_shadows=sun_shadows,
-        local_shadows=rows.lamp_shadows(scene, view),
+        translucent_shadows=sun_shadows and rows.translucent_shadows(scene, view),
+        local_shadows=(lamp_shadows := rows.lamp_shadows(scene, view)),
+        shadow_floor=floor_wanted(settings) and (sun_shadows or lamp_shadows > 0),
         soft_lamps=rows.local_shadows.soft,
         shadow_quality=ShadowQuality(
             filter_for(settings.shadow_filter, software=caps.software),

@@ -70,14 +70,23 @@ class SceneRows:
         """Whether the frame's first sun casts shadows; if so, cascades and casters are up to date."""
         draws, drawn = self.draws, scene.instances.drawn
         wanted = view.settings.shadows and self.lights.sun_count > 0
-        shown = wanted and bool((draws.casting & drawn).any()) and bool((draws.receiving & drawn).any())
+        casting, look = draws.casting & drawn, self._look_of_casters(view)
+        tinted = wanted and self.translucent_shadows(scene, view)
+        if tinted:
+            casting, look = casting | (draws.tinting & drawn), (*look, "tints")
+        shown = wanted and bool(casting.any()) and bool((draws.receiving & drawn).any())
         direction = self.lights.suns[0, 0, :3].copy() if shown else None
         if self.shadows.update(
-            scene, view, direction, self.visible, draws.casting & drawn, draws.receiving & drawn,
-            self._look_of_casters(view),
+            scene, view, direction, self.visible, casting, draws.receiving & drawn, look
         ):  # fmt: skip
             draws.update_casters(self.shadows.casters)
+            if tinted:
+                draws.update_tints(self.shadows.casters)
         return shown
+
+    def translucent_shadows(self, scene: Scene, view: View) -> bool:
+        """Whether the view wants blended casters to tint the sun's light, and the scene has any."""
+        return bool(view.settings.translucent_shadows) and bool((self.draws.tinting & scene.instances.drawn).any())
 
     def lamp_shadows(self, scene: Scene, view: View) -> int:
         """The width of the map of local lights' shadows, 0 where none casts; its tiles and casters are up to date."""

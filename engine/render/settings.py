@@ -121,6 +121,9 @@ class RenderSettings(ParamBlock):
     shadow_leak: float = param(
         0.15, min=0.0, max=0.9, step=0.01, doc="blurred maps: light up to this part is none; more: darker penumbrae"
     )
+    translucent_shadows: bool = param(
+        False, doc="blended surfaces tint the sun's light by their colour, as much as their alpha says"
+    )
     shadow_cascades: int = param(DEFAULT.cascades, min=1, max=8, doc="shadow maps for near to far")
     shadow_size: int = param(DEFAULT.size, min=16, max=8192, unit="px", doc="width of each shadow map")
     shadow_distance: float = param(
@@ -140,6 +143,13 @@ class RenderSettings(ParamBlock):
     soft_lamps: bool = param(True, doc="area lights, and lamps with a radius, throw shadows as soft as they are large")
     local_shadow_size: int = param(2048, min=64, max=8192, unit="px", doc="width of the map that their tiles share")
     local_shadow_lights: int = param(32, min=0, max=256, doc="most lights with shadows, by brightness and nearness")
+    shadow_floor: float = param(
+        0.0, min=0.0, max=1.0, step=0.01,
+        doc="a floor at the scene's lowest point that only shadows are seen of: how dark they are; 0 = no floor",
+    )  # fmt: skip
+    shadow_floor_offset: float = param(
+        0.0, min=-1e6, max=1e6, step=0.01, unit="m", doc="raises that floor over the lowest point, or sinks it"
+    )
     ambient_occlusion: str = param(
         "off", choices=METHOD_CHOICES,
         doc="hides environment light in corners; gtao: horizons, unbiased; hbao, alchemy: older estimates",
@@ -147,7 +157,7 @@ class RenderSettings(ParamBlock):
     ao_radius: float = param(0.0, min=0.0, max=1e6, step=0.01, unit="m", doc="how far things hide; 0 = by the scene")
     ao_strength: float = param(1.0, min=0.0, max=1.0, step=0.01, doc="0 none, 1 as much as is hidden")
     ao_thickness: float = param(
-        0.35, min=0.0, max=4.0, step=0.01, doc="how thick things are taken to be behind what is seen, in radii"
+        0.2, min=0.0, max=4.0, step=0.01, doc="how thick things are taken to be behind what is seen, in radii"
     )
     ao_directions: int = param(2, min=1, max=16, doc="slices through each pixel (gtao, hbao)")
     ao_steps: int = param(8, min=1, max=64, doc="places on each side of a slice; alchemy: places in all")
@@ -159,7 +169,7 @@ class RenderSettings(ParamBlock):
     ao_temporal: bool = param(
         False, doc="mixes with the frames before, where pictures follow one another: each looks in other directions"
     )
-    ao_mips: bool = param(False, doc="look far places up in smaller copies of depth: for a large radius in a large picture")
+    ao_mips: bool = param(False, doc="look far places up in smaller copies of depth: for a large radius in pixels")
     gi: str = param(
         "off", choices=gi_choice.CHOICES,
         doc="light from surface to surface, as far as the picture and what lies behind it show it. one: light of lamps,"

@@ -6,6 +6,9 @@
 #include "lib/view.glsl"
 #if SUN_SHADOWS
 #include "lib/shadows.glsl"
+#if TRANSLUCENT_SHADOWS
+#include "lib/shadow_tint.glsl"
+#endif
 #endif
 #if AMBIENT_VISIBILITY
 #include "lib/ambient_occlusion.glsl"
@@ -184,13 +187,17 @@ Surface gather(MaterialParams m)
     return s;
 }
 
-// How much of the first sun arrives.
+// How much of the first sun arrives; sets `first_sun_tint`, its colour.
 float first_sun(Surface s)
 {
 #if SUN_SHADOWS
     vec3 facet = cross(dFdx(v_position), dFdy(v_position));
-    if (view.counts.y > 0u && dot(s.normal, view.suns[0].xyz) < 0.0)
+    if (view.counts.y > 0u && dot(s.normal, view.suns[0].xyz) < 0.0) {
+#if TRANSLUCENT_SHADOWS
+        first_sun_tint = sun_tint(v_position, s.smooth_normal, facet, uvec2(gl_FragCoord.xy));
+#endif
         return sun_visibility(v_position, s.smooth_normal, facet, uvec2(gl_FragCoord.xy));
+    }
 #endif
     return 1.0;
 }

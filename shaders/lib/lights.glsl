@@ -11,6 +11,13 @@
 #define LIGHT_PROFILES 1
 #endif
 
+#ifndef TRANSLUCENT_SHADOWS
+#define TRANSLUCENT_SHADOWS 0
+#endif
+#if TRANSLUCENT_SHADOWS
+vec3 first_sun_tint = vec3(1.0);  // what blended casters leave of the first sun (lib/shadow_tint.glsl)
+#endif
+
 // Lagarde and de Rousiers 2014, "Moving Frostbite to PBR", listings 1 and 2: a smooth window that reaches zero with zero
 // slope at the range; range 0 means unlimited.
 float range_window(float d2, float range)
@@ -108,6 +115,9 @@ vec3 sun_lighting(Reflector r, float visibility)
     vec3 sum = vec3(0.0);
     for (uint i = 0u; i < view.counts.y; ++i) {
         vec3 e = view.suns[2u * i + 1u].xyz * (i == 0u ? visibility : 1.0);
+#if TRANSLUCENT_SHADOWS
+        if (i == 0u) e *= first_sun_tint;
+#endif
         sum += reflected(r, -view.suns[2u * i].xyz, e);
     }
     return sum;

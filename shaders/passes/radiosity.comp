@@ -8,6 +8,9 @@
 #endif
 #if SUN_SHADOWS
 #include "lib/shadows.glsl"
+#if TRANSLUCENT_SHADOWS
+#include "lib/shadow_tint.glsl"
+#endif
 #endif
 
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -34,6 +37,10 @@ vec3 sent_out(ivec2 texel, DeepSurface s, vec3 p)
     Reflector r = Reflector(s.n, s.n, vec3(0.0), 0.0, s.albedo, 1.0, 1.0);
 #if SUNS
     float lit = 1.0;
+#if TRANSLUCENT_SHADOWS
+    first_sun_tint = vec3(1.0);
+    if (view.counts.y > 0u && dot(s.n, view.suns[0].xyz) < 0.0) first_sun_tint = sun_tint(p, s.n, s.n, uvec2(texel));
+#endif
 #if SUN_SHADOWS
     if (view.counts.y > 0u && dot(s.n, view.suns[0].xyz) < 0.0) lit = sun_visibility(p, s.n, s.n, uvec2(texel));
 #endif

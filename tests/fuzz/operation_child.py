@@ -78,7 +78,7 @@ def _restore(session: Session, walk: Walk, folder: Path) -> bool:
     pending = journal.pending(folder / "recovery")
     last = folder / "last.json"
     told = json.loads(last.read_text(encoding="utf-8")) if last.is_file() else {}
-    if told.get("dirty") and not pending:
+    if told.get("dirty") and not told["open"] and not pending:
         raise Broken("unsaved edits were there when the process was killed, and nothing is there to restore")
     if not pending:
         return False
@@ -93,7 +93,7 @@ def _restore(session: Session, walk: Walk, folder: Path) -> bool:
         raise Broken(f"{told['entries']} entries done and undone were there, {entries} are restored")
     if stage.scene_bytes(document).hex() != told["bytes"]:
         raise Broken("the restored scene would be saved as other bytes")
-    if document.dirty != told["dirty"]:
+    if document.dirty != told["dirty"] and not told["open"]:
         raise Broken(f"unsaved was {told['dirty']}, and is {document.dirty}")
     if told["files"]:
         walk.watch(document)
@@ -120,6 +120,8 @@ def _die(folder: Path, answer: dict[str, Any], walk: Walk, session: Session, *, 
             # the replay ends the gesture; one that had come back to where it began leaves no entry then
             "entries": [sum(e.changes for e in history.entries), len(history.undone)], "dirty": document.dirty,
             "bytes": stage.scene_bytes(document).hex(),
+            # a drag that was killed where it had come back to its beginning counts as unsaved until it ends
+            "open": bool(history.entries) and not history.entries[-1].changes,
             # what was done to files is done, and no part of a replay: the restored history is a shorter one
             "files": sum(isinstance(e, (Replacement, FileStep)) for e in (*history.entries, *history.undone)),
         }  # fmt: skip

@@ -39,7 +39,7 @@ def shoot(stage: Stage, spec: SceneSpec, camera: Any, *, force_all: bool) -> Pic
         "depth_of_field": spec.depth_of_field, "focus": 0.5, "sensor": 200.0,
         "taa_frames": 2,
         "shadow_size": 64, "shadow_cascades": 2, "local_shadows": spec.local_shadows, "local_shadow_size": 256,
-        "force_all": force_all,
+        "force_all": force_all, "translucent_shadows": spec.translucent_shadows,
         "path": spec.path, "alpha_to_coverage": spec.cutouts_smooth,
     }  # fmt: skip
     frame = stage.runtime.render(stage.view(SIZE, camera, **settings), hdr=True)

@@ -70,6 +70,7 @@ class SceneSpec:
     samples: int = 1
     shadows: bool = True
     shadow_filter: str = "pcf"
+    translucent_shadows: bool = False
     local_shadows: str = "off"
     ambient_occlusion: str = "off"
     gi: str = "off"
@@ -116,6 +117,7 @@ specs = st.builds(
     samples=st.sampled_from([1, 4]),
     shadows=st.sampled_from([True, True, True, False]),
     shadow_filter=st.sampled_from(["pcf", "pcf", *FILTERS]),
+    translucent_shadows=st.sampled_from([False, True]),
     local_shadows=st.sampled_from(["off", "all"]),
     ambient_occlusion=st.sampled_from(["off", "off", "off", *METHODS]),
     gi=st.sampled_from(["off", "off", "off", "one", "many"]),

@@ -80,7 +80,7 @@ def test_a_ball_hides_the_ground_that_it_stands_on(stage, surface) -> None:
     stage.add(uv_sphere(), surface(), position=(0.0, 0.5, 0.0))
     camera = above(1.0, 0.8)
     thin = visibility(stage, camera, ao_radius=0.3, ao_thickness=0.0)
-    thick = visibility(stage, camera, ao_radius=0.3)
+    thick = visibility(stage, camera, ao_radius=0.3, ao_thickness=0.35)
     assert (thick <= thin + 0.02).all()
     assert (thin - thick).max() > 0.15
 

@@ -22,7 +22,10 @@ FLAT = (math.sin(-math.pi / 4), 0.0, 0.0, math.cos(-math.pi / 4))
 SIZE = (64, 48)
 CAMERA = front_camera(0.6, SIZE[0] / SIZE[1])
 #: few slices, so that each frame is far from the truth
-FEW = {"ambient_occlusion": "gtao", "ao_radius": 0.5, "ao_directions": 1, "view": "ambient_occlusion", "ao_bent": False}
+FEW = {
+    "ambient_occlusion": "gtao", "ao_radius": 0.5, "ao_thickness": 0.35, "ao_directions": 1, "ao_bent": False,
+    "view": "ambient_occlusion",
+}  # fmt: skip
 
 
 def niche(stage, surface) -> int:

@@ -16,7 +16,7 @@ from engine.render.passes.indirect import INDIRECT, indirect_inputs
 from engine.render.passes.light_culling import LIGHT_TILES, light_list_inputs
 from engine.render.passes.local_shadows import LOCAL_SHADOW, local_shadow_inputs
 from engine.render.passes.reflections import REFLECTIONS, reflection_inputs
-from engine.render.passes.shadow_cascades import SUN_MOMENTS, SUN_SHADOW, shadow_inputs
+from engine.render.passes.shadow_cascades import SUN_MOMENTS, SUN_SHADOW, SUN_TINT, shadow_inputs
 
 HDR_FORMAT = "rgba16f"
 
@@ -44,6 +44,7 @@ class OpaquePass(Pass):
     def declare(self, b: Builder) -> None:
         b.read(SUN_SHADOW, optional=True)
         b.read(SUN_MOMENTS, optional=True)
+        b.read(SUN_TINT, optional=True)
         b.read(LOCAL_SHADOW, optional=True)
         samples, lighting = b.facts.samples, b.facts.lighting
         if lighting.deferred:
@@ -101,6 +102,7 @@ class OpaqueForwardPass(Pass):
     def declare(self, b: Builder) -> None:
         b.read(SUN_SHADOW, optional=True)
         b.read(SUN_MOMENTS, optional=True)
+        b.read(SUN_TINT, optional=True)
         b.read(LOCAL_SHADOW, optional=True)
         b.read(FILTERED, optional=True)
         b.read(INDIRECT, optional=True)

@@ -23,7 +23,7 @@ from engine.render.gi.gather import (
     shrink,
 )
 from engine.render.passes.local_shadows import LOCAL_SHADOW, local_shadow_inputs
-from engine.render.passes.shadow_cascades import SUN_MOMENTS, SUN_SHADOW, shadow_inputs
+from engine.render.passes.shadow_cascades import SUN_MOMENTS, SUN_SHADOW, SUN_TINT, shadow_inputs
 
 #: rgba16f: what a layer sends out before anything else lights it; there where it is lit again
 OWN = ("layer0_own", "layer1_own")
@@ -47,6 +47,7 @@ class RadiosityPass(Pass):
     def declare(self, b: Builder) -> None:
         b.read(SUN_SHADOW, optional=True)
         b.read(SUN_MOMENTS, optional=True)
+        b.read(SUN_TINT, optional=True)
         b.read(LOCAL_SHADOW, optional=True)
         size, levels = size_of_layers(b), levels_of(*size_of_layers(b))
         for layer in range(b.facts.indirect.layers):
@@ -65,6 +66,7 @@ class RadiosityPass(Pass):
         width, height = layer_size(frame)
         defines = {
             "LAYERS": layers, "SUNS": int(facts.suns), "SUN_SHADOWS": int(facts.sun_shadows and facts.suns),
+            "TRANSLUCENT_SHADOWS": int(facts.translucent_shadows and facts.suns),
             "LOCAL_LIGHTS": int(facts.local_lights), "MULTISAMPLED": 0, "LOOP_STEPS": facts.lighting.steps,
             "KEPT": int(kept), **facts.light_defines(),
         }  # fmt: skip

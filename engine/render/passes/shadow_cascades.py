@@ -8,7 +8,7 @@ from engine.framegraph.builder import Builder
 from engine.framegraph.passes import WHOLE_PICTURE, Pass, PassContext
 from engine.gpu.types import DepthAttachment, SamplerDesc
 from engine.render.facts import SceneFacts
-from engine.render.frame import SHADOW_DEPTH_UNIT, SHADOW_UNIT, RenderFrame
+from engine.render.frame import SHADOW_DEPTH_UNIT, SHADOW_TINT_UNIT, SHADOW_UNIT, RenderFrame
 from engine.render.kept import KeptParts
 from engine.render.shadows.quality import LINEAR
 
@@ -16,6 +16,8 @@ from engine.render.shadows.quality import LINEAR
 SUN_SHADOW = "sun_shadow"
 #: blurred moments of its depths, where the filter asks for them (passes/shadow_moments.py)
 SUN_MOMENTS = "sun_shadow_moments"
+#: what blended casters leave of the light, where that is wanted (passes/shadow_tints.py)
+SUN_TINT = "sun_shadow_tint"
 
 
 class ShadowCascadesPass(Pass):
@@ -65,14 +67,15 @@ class ShadowCascadesPass(Pass):
 def shadow_inputs(ctx: PassContext) -> dict[int, Any]:
     """The map for the lookups of surface shaders, by texture unit; nothing where the frame has none."""
     frame: RenderFrame = ctx.frame
+    tint = {SHADOW_TINT_UNIT: (ctx.texture(SUN_TINT), frame.point_sampler)} if ctx.has(SUN_TINT) else {}
     if ctx.has(SUN_MOMENTS):
-        return {SHADOW_DEPTH_UNIT: (ctx.texture(SUN_MOMENTS), ctx.device.sampler(LINEAR))}
+        return {SHADOW_DEPTH_UNIT: (ctx.texture(SUN_MOMENTS), ctx.device.sampler(LINEAR)), **tint}
     if not ctx.has(SUN_SHADOW):
-        return {}
+        return tint
     texture = ctx.texture(SUN_SHADOW)
     filter = "nearest" if frame.facts.shadow_quality.filter == "none" else "linear"
     compare = ctx.device.sampler(SamplerDesc("clamp", "clamp", "clamp", filter, filter, compare="gequal"))
-    bound = {SHADOW_UNIT: (texture, compare)}
+    bound = {SHADOW_UNIT: (texture, compare), **tint}
     if frame.facts.shadow_quality.filter == "pcss":
         bound[SHADOW_DEPTH_UNIT] = (texture, frame.point_sampler)
     return bound

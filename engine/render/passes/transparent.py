@@ -13,7 +13,7 @@ from engine.render.frame import RenderFrame
 from engine.render.passes.light_culling import LIGHT_TILES, light_list_inputs
 from engine.render.passes.local_shadows import LOCAL_SHADOW, local_shadow_inputs
 from engine.render.passes.scene_color import SCENE_COLOR, scene_color_inputs
-from engine.render.passes.shadow_cascades import SUN_MOMENTS, SUN_SHADOW, shadow_inputs
+from engine.render.passes.shadow_cascades import SUN_MOMENTS, SUN_SHADOW, SUN_TINT, shadow_inputs
 
 
 class TransparentPass(Pass):
@@ -31,6 +31,7 @@ class TransparentPass(Pass):
         b.read(SCENE_COLOR, optional=True)
         b.read(SUN_SHADOW, optional=True)
         b.read(SUN_MOMENTS, optional=True)
+        b.read(SUN_TINT, optional=True)
         b.read(LOCAL_SHADOW, optional=True)
         b.read(LIGHT_TILES, optional=True)
         b.write("hdr")

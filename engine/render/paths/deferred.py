@@ -21,6 +21,7 @@ from engine.render.passes.scene_color import SceneColorPass
 from engine.render.passes.shadow_cascades import ShadowCascadesPass
 from engine.render.passes.shadow_maps import ShadowMapsPass
 from engine.render.passes.shadow_moments import ShadowMomentsPass
+from engine.render.passes.shadow_tints import ShadowTintsPass
 from engine.render.passes.sky import SkyPass
 from engine.render.passes.tiled_shading import TiledShadingPass
 from engine.render.passes.transparent import TransparentPass
@@ -30,7 +31,7 @@ from engine.render.paths.lens import lens_passes
 def deferred_passes() -> list[Pass]:
     """Each light's volume is drawn over what it reaches."""
     return [
-        ShadowCascadesPass(), ShadowMomentsPass(), LocalShadowsPass(), DepthPrepass(), MotionPass(),
+        ShadowCascadesPass(), ShadowMomentsPass(), ShadowTintsPass(), LocalShadowsPass(), DepthPrepass(), MotionPass(),
         AmbientOcclusionPass(),
         DeepGbufferPass(), RadiosityPass(), BouncesPass(), IndirectPass(), ReflectionsPass(),
         OpaquePass(), LightVolumesPass(),
@@ -43,7 +44,7 @@ def deferred_passes() -> list[Pass]:
 def tiled_deferred_passes() -> list[Pass]:
     """Lists of lights per tile, then one compute pass over the pixels."""
     return [
-        ShadowCascadesPass(), ShadowMomentsPass(), LocalShadowsPass(), DepthPrepass(), MotionPass(),
+        ShadowCascadesPass(), ShadowMomentsPass(), ShadowTintsPass(), LocalShadowsPass(), DepthPrepass(), MotionPass(),
         AmbientOcclusionPass(),
         DeepGbufferPass(), RadiosityPass(), BouncesPass(), IndirectPass(), ReflectionsPass(),
         OpaquePass(), LightCullingPass(),

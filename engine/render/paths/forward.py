@@ -18,6 +18,7 @@ from engine.render.passes.scene_color import SceneColorPass
 from engine.render.passes.shadow_cascades import ShadowCascadesPass
 from engine.render.passes.shadow_maps import ShadowMapsPass
 from engine.render.passes.shadow_moments import ShadowMomentsPass
+from engine.render.passes.shadow_tints import ShadowTintsPass
 from engine.render.passes.sky import SkyPass
 from engine.render.passes.transparent import TransparentPass
 from engine.render.paths.lens import lens_passes
@@ -25,7 +26,7 @@ from engine.render.paths.lens import lens_passes
 
 def forward_passes() -> list[Pass]:
     return [
-        ShadowCascadesPass(), ShadowMomentsPass(), LocalShadowsPass(), DepthPrepass(), MotionPass(),
+        ShadowCascadesPass(), ShadowMomentsPass(), ShadowTintsPass(), LocalShadowsPass(), DepthPrepass(), MotionPass(),
         AmbientOcclusionPass(),
         DeepGbufferPass(), RadiosityPass(), BouncesPass(), IndirectPass(), ReflectionsPass(),
         OpaquePass(), SkyPass(), LateMotionPass(), SceneColorPass(), TransparentPass(),

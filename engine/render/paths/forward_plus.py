@@ -19,6 +19,7 @@ from engine.render.passes.scene_color import SceneColorPass
 from engine.render.passes.shadow_cascades import ShadowCascadesPass
 from engine.render.passes.shadow_maps import ShadowMapsPass
 from engine.render.passes.shadow_moments import ShadowMomentsPass
+from engine.render.passes.shadow_tints import ShadowTintsPass
 from engine.render.passes.sky import SkyPass
 from engine.render.passes.transparent import TransparentPass
 from engine.render.paths.lens import lens_passes
@@ -26,7 +27,7 @@ from engine.render.paths.lens import lens_passes
 
 def forward_plus_passes() -> list[Pass]:
     return [
-        ShadowCascadesPass(), ShadowMomentsPass(), LocalShadowsPass(), DepthPrepass(), MotionPass(),
+        ShadowCascadesPass(), ShadowMomentsPass(), ShadowTintsPass(), LocalShadowsPass(), DepthPrepass(), MotionPass(),
         AmbientOcclusionPass(),
         DeepGbufferPass(), RadiosityPass(), BouncesPass(), IndirectPass(), ReflectionsPass(),
         LightCullingPass(), OpaquePass(), SkyPass(), LateMotionPass(), SceneColorPass(), TransparentPass(),
