@@ -26,6 +26,7 @@ BUDGET = 0.02
 #: what a setting begins with -> the pass that it is about
 PASSES = {
     "samples": "opaque", "anisotropy": "opaque", "shadow": "shadow_cascades", "sun": "shadow_cascades",
+    "translucent": "shadow_tints",
     "light_": "light_culling", "gi": "indirect", "reflection": "reflections",
 }  # fmt: skip
 #: so many dominated settings are named in the answer; the table has all

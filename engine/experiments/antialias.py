@@ -155,8 +155,8 @@ def in_motion(ctx: Context) -> Table:
         "What moves: a card that goes 3 pixels a frame, and a line of half a pixel that goes a third of one",
         ["mode", "light left behind the card", "light of the line", "it flickers by", "of the line is missing"], rows,
         "Left behind: the brightest pixel that the card is not near any more, of the card's light. The line: more"
-        " or less light than it has; standard deviation from frame to frame; columns where it has less than a quarter of its"
-        " light.",
+        " or less light than it has; standard deviation from frame to frame; columns where it has less than a"
+        " quarter of its light.",
     )  # fmt: skip
 
 

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from engine.core.errors import LucarnaError
 from engine.experiments.harness.context import Context, OpenScene
 from engine.experiments.harness.experiment import Experiment, Knobs, Outcome, Trial
+from engine.experiments.harness.gi_answers import Answer, answers, lag
 from engine.experiments.harness.pictures import beside_truth
 from engine.experiments.harness.pixel_truth import radiance, redrawn
 from engine.experiments.harness.scenes import MADE, open_scene, own_or, short
@@ -52,6 +53,8 @@ STEPS: dict[str, tuple[int, ...]] = {
     "slices, unseen as seen": (16,), "spiral, thesis": (12, 25, 50), "spiral, half size": (50,),
 }  # fmt: skip
 DEFAULT = {"method": "slices, half size", "steps": 16}
+#: frames that light may stay after its lamp went out
+LONGEST_LAG = 16
 
 
 def size(ctx: Context) -> tuple[int, int, int]:
@@ -166,34 +169,44 @@ def tables(ctx: Context, points: Sequence[Point]) -> list[Table]:
             if point is None or point.ms is None:
                 continue
             e = point.error
+            off = of.get(("off", 0))
+            more = point.ms.median - off.ms.median if off is not None and off.ms is not None else 0.0
             rows.append([
-                problem, title, f"{point.ms.median:.3g}",
+                problem, title, f"{point.ms.median:.3g}", f"{more:+.3g}" if title != "off" else "",
                 *(f"{e[name]:.3g}" for name in ("shown_rmse", "flip", "energy")),
             ])  # fmt: skip
     return [
         Table(
-            "On, off, and the thesis's 50 places", ["problem", "what", "ms", "display rmse", "FLIP", "energy"], rows,
-            "Whole frames. Energy: all light of the picture over that of the truth.",
-        )
+            "On, off, and the thesis's 50 places", ["problem", "what", "ms", "costs ms", "display rmse", "FLIP", "energy"], rows,
+            "Whole frames; what it costs is beside the frame with it off. Energy: all light of the picture over that of"
+            " the truth.",
+        ),
+        Table(
+            "Known answers", ["what", "truth", "ours", "error", "allowed"],
+            [
+                [a.what, f"{a.truth:.4g}", f"{a.ours:.4g}", f"{a.error:+.2g}", f"{a.allowed:.2g}"]
+                for a in known(ctx)
+            ],
+            "By formula; a closed box knows all of itself (gi_unseen = seen).",
+        ),
     ]  # fmt: skip
 
 
+def known(ctx: Context) -> list[Answer]:
+    """Made once for the table and the extreme cases."""
+    device = ctx.device
+    return ctx.once("gi: known answers", lambda: list(answers(device))) if device is not None else []
+
+
 def extremes(ctx: Context) -> Iterator[Extreme]:
-    """A lamp goes out while pictures follow one another: frames until a hundredth of its light is left."""
-    scene = open_scene(ctx, SCENES[0])
-    try:
+    """What is known without a path tracer; and a lamp that goes out while pictures follow one another."""
+    for answer in known(ctx):
+        yield Extreme(answer.what, f"{answer.ours:.4g}, truth {answer.truth:.4g}, off by {answer.error:+.2g}", answer.ok)
+    if ctx.device is not None:
         for smooth in (False, True):
-            how = RenderSettings(samples=1, gi="many", gi_smooth=smooth, tone_map="none")
-            seen = View(scene.camera(1.0), 48, 48, how, seconds=1.0 / 60.0)
-            scene.scene.lights.set(0, intensity=3.0)
-            before = max(float(radiance(scene, seen).mean()) for _ in range(12))
-            scene.scene.lights.set(0, intensity=0.0)
-            left = [float(radiance(scene, seen).mean()) for _ in range(24)]
-            lag = next((i for i, light in enumerate(left) if light < 0.01 * before), len(left))
+            frames = lag(ctx.device, smooth=smooth)
             what = f"a lamp goes out, {'mixed with frames before' if smooth else 'each frame anew'}"
-            yield Extreme(what, f"{lag} frames to 1 %", lag <= 16)
-    finally:
-        scene.close()
+            yield Extreme(what, f"{frames} frames to 1 %", frames <= LONGEST_LAG)
 
 
 EXPERIMENT = Experiment(

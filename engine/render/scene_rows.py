@@ -14,6 +14,7 @@ from engine.render.light_rows import LightRows
 from engine.render.light_tables import LightTables
 from engine.render.morphs import MorphRows
 from engine.render.palettes import PaletteRows, SkinningCheck
+from engine.render.shadows.floor import ShadowFloor, floor_wanted
 from engine.render.shadows.local import LocalShadows
 from engine.render.shadows.sun import SunShadows
 from engine.render.transforms import TransformRows
@@ -37,6 +38,7 @@ class SceneRows:
         self.palettes = PaletteRows(device)
         self.morphs = MorphRows(device, residency)
         self.shadows = SunShadows()
+        self.floor = ShadowFloor(residency)
         self.local_shadows = LocalShadows(device)
         self.visible: NDArray[np.bool_] = np.zeros(0, np.bool_)
         self._visibility_key: tuple[object, ...] = ()
@@ -74,7 +76,9 @@ class SceneRows:
         tinted = wanted and self.translucent_shadows(scene, view)
         if tinted:
             casting, look = casting | (draws.tinting & drawn), (*look, "tints")
-        shown = wanted and bool(casting.any()) and bool((draws.receiving & drawn).any())
+        floor = self.shadows.floor = self._floor(scene, view)
+        receives = floor is not None or bool((draws.receiving & drawn).any())
+        shown = wanted and bool(casting.any()) and receives
         direction = self.lights.suns[0, 0, :3].copy() if shown else None
         if self.shadows.update(
             scene, view, direction, self.visible, casting, draws.receiving & drawn, look
@@ -93,10 +97,16 @@ class SceneRows:
         draws, drawn, shadows = self.draws, scene.instances.drawn, self.local_shadows
         if shadows.update(
             scene, view, self.lights.world, draws.casting & drawn,
-            receiving=bool((draws.receiving & drawn).any()), state=self._look_of_casters(view),
+            receiving=floor_wanted(view.settings) or bool((draws.receiving & drawn).any()), state=self._look_of_casters(view),
         ):  # fmt: skip
             draws.update_lamp_casters(shadows.casters)
         return shadows.atlas
+
+    def _floor(self, scene: Scene, view: View) -> float | None:
+        """World y of the floor that only shadows are seen of, where one is wanted."""
+        if not floor_wanted(view.settings):
+            return None
+        return self.floor.height(scene) + float(view.settings.shadow_floor_offset)
 
     def release(self) -> None:
         for part in (

@@ -37,7 +37,7 @@ def shoot(stage: Stage, spec: SceneSpec, camera: Any, *, force_all: bool) -> Pic
         "ambient_occlusion": spec.ambient_occlusion, "ao_radius": 0.5, "gi": spec.gi, "gi_steps": 6, "reflections": spec.reflections,
         "bloom": spec.bloom, "auto_exposure": spec.auto_exposure, "antialias": spec.antialias,
         "depth_of_field": spec.depth_of_field, "focus": 0.5, "sensor": 200.0,
-        "taa_frames": 2,
+        "taa_frames": 2, "shadow_floor": spec.shadow_floor,
         "shadow_size": 64, "shadow_cascades": 2, "local_shadows": spec.local_shadows, "local_shadow_size": 256,
         "force_all": force_all, "translucent_shadows": spec.translucent_shadows,
         "path": spec.path, "alpha_to_coverage": spec.cutouts_smooth,

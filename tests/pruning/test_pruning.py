@@ -61,6 +61,10 @@ TOGGLES: dict[str, tuple[SceneSpec, SceneSpec, tuple[str, ...]]] = {
     "indirect": (replace(BESIDE, environment="uniform"), replace(BESIDE, environment="uniform", gi="one"), ()),
     "bloom": (LIT, replace(LIT, bloom=0.3), ()),
     "auto_exposure": (LIT, replace(LIT, auto_exposure=True), ()),
+    "shadow_floor": (
+        replace(SHADOWED, bodies=(Body("sphere", 0), Body("card", 3, metallic=0.0))),
+        replace(SHADOWED, bodies=(Body("sphere", 0), Body("card", 3, metallic=0.0)), shadow_floor=0.8), (),
+    ),
     "fxaa": (LIT, replace(LIT, antialias="fxaa"), ()),
     "depth_of_field": (LIT, replace(LIT, depth_of_field=True), ()),
     "smaa": (LIT, replace(LIT, antialias="smaa"), ()),

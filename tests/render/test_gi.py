@@ -11,6 +11,7 @@ import pytest
 from engine.app.framing import frame_bounds
 from engine.assets.primitives import card, cube, uv_sphere
 from engine.assets.scene import LightAsset
+from engine.experiments.harness.gi_answers import answers, wall_seen
 from engine.math import quat
 from engine.math.transform import look_at
 from engine.render.camera import Camera
@@ -34,13 +35,6 @@ def corner(stage, surface, scale: float = 1.0, shift: float = 0.0) -> Camera:
     stage.add(card(1.0), surface(**GLOW), (shift, 0.5 * scale, -0.5 * scale), (2.0 * scale, scale, scale))
     eye = np.array([0.0, 2.2, 2.6]) * scale + (shift, 0.0, 0.0)
     return Camera(look_at(eye, np.array([0.0, 0.1, 0.1]) * scale + (shift, 0.0, 0.0)), 0.9, 0.01 * scale)
-
-
-def wall_seen(d: float, a: float = 1.0, h: float = 1.0) -> float:
-    """Form factor from a spot of the floor, d before the middle of a wall of half width a and height h (Howell,
-    "A Catalog of Radiation Heat Transfer Configuration Factors", two of its perpendicular rectangles B-4)."""
-    r = math.hypot(d, h)
-    return (math.atan(a / d) - d / r * math.atan(a / r)) / math.pi
 
 
 def indirect(stage, camera: Camera, size: tuple[int, int] = (96, 96), **settings) -> np.ndarray:

@@ -38,7 +38,7 @@ def test_passes_are_left_out_with_a_reason(stage) -> None:
         "shadow_cascades", "shadow_moments", "shadow_tints", "local_shadows", "depth_prepass", "ambient_occlusion",
         "deep_gbuffer", "radiosity", "bounces", "indirect", "reflections", "sky", "scene_color", "transparent",
         "light_heat", "shadow_maps", "auto_exposure", "bloom", "resolve", "fxaa",
-        "motion", "motion_late", "taa", "smaa", "depth_of_field",
+        "motion", "motion_late", "taa", "smaa", "depth_of_field", "shadow_floor",
     }  # fmt: skip
     assert all(item.reason for item in frame.graph.left_out)
 

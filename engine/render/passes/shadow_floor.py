@@ -1,4 +1,4 @@
-"""The shadows that the scene throws on a level floor below it, over whatever is behind: a floor that is not seen itself."""
+"""The shadows that the scene throws on a level floor below it: darker is what is behind; the floor itself is not seen."""
 
 from __future__ import annotations
 

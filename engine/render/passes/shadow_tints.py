@@ -24,7 +24,7 @@ class ShadowTintsPass(Pass):
     caster fails the test against its depth. Kept from frame to frame, as the maps of depth are.
 
     Of depths only the nearest is known: between two surfaces light has the tint of both. Halves keep it to 1/2048 of
-    the map's depth, so that far within that distance behind a surface there is no tint."""
+    the map's depth, so that what is less than that behind a surface has no tint."""
 
     name: ClassVar[str] = "shadow_tints"
     reach: ClassVar[int | None] = WHOLE_PICTURE

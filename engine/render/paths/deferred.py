@@ -19,6 +19,7 @@ from engine.render.passes.radiosity import RadiosityPass
 from engine.render.passes.reflections import ReflectionsPass
 from engine.render.passes.scene_color import SceneColorPass
 from engine.render.passes.shadow_cascades import ShadowCascadesPass
+from engine.render.passes.shadow_floor import ShadowFloorPass
 from engine.render.passes.shadow_maps import ShadowMapsPass
 from engine.render.passes.shadow_moments import ShadowMomentsPass
 from engine.render.passes.shadow_tints import ShadowTintsPass
@@ -35,7 +36,7 @@ def deferred_passes() -> list[Pass]:
         AmbientOcclusionPass(),
         DeepGbufferPass(), RadiosityPass(), BouncesPass(), IndirectPass(), ReflectionsPass(),
         OpaquePass(), LightVolumesPass(),
-        LightResolvePass(), OpaqueForwardPass(), SkyPass(), LightCullingPass(),
+        LightResolvePass(), OpaqueForwardPass(), SkyPass(), ShadowFloorPass(), LightCullingPass(),
         LateMotionPass(), SceneColorPass(), TransparentPass(),
         LightHeatPass(), ShadowMapsPass(), *lens_passes(),
     ]  # fmt: skip
@@ -48,6 +49,6 @@ def tiled_deferred_passes() -> list[Pass]:
         AmbientOcclusionPass(),
         DeepGbufferPass(), RadiosityPass(), BouncesPass(), IndirectPass(), ReflectionsPass(),
         OpaquePass(), LightCullingPass(),
-        TiledShadingPass(), OpaqueForwardPass(), SkyPass(),
+        TiledShadingPass(), OpaqueForwardPass(), SkyPass(), ShadowFloorPass(),
         LateMotionPass(), SceneColorPass(), TransparentPass(), LightHeatPass(), ShadowMapsPass(), *lens_passes(),
     ]  # fmt: skip

@@ -17,6 +17,7 @@ from engine.render.passes.radiosity import RadiosityPass
 from engine.render.passes.reflections import ReflectionsPass
 from engine.render.passes.scene_color import SceneColorPass
 from engine.render.passes.shadow_cascades import ShadowCascadesPass
+from engine.render.passes.shadow_floor import ShadowFloorPass
 from engine.render.passes.shadow_maps import ShadowMapsPass
 from engine.render.passes.shadow_moments import ShadowMomentsPass
 from engine.render.passes.shadow_tints import ShadowTintsPass
@@ -30,6 +31,6 @@ def forward_plus_passes() -> list[Pass]:
         ShadowCascadesPass(), ShadowMomentsPass(), ShadowTintsPass(), LocalShadowsPass(), DepthPrepass(), MotionPass(),
         AmbientOcclusionPass(),
         DeepGbufferPass(), RadiosityPass(), BouncesPass(), IndirectPass(), ReflectionsPass(),
-        LightCullingPass(), OpaquePass(), SkyPass(), LateMotionPass(), SceneColorPass(), TransparentPass(),
+        LightCullingPass(), OpaquePass(), SkyPass(), ShadowFloorPass(), LateMotionPass(), SceneColorPass(), TransparentPass(),
         LightHeatPass(), ShadowMapsPass(), *lens_passes(),
     ]  # fmt: skip

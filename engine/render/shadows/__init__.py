@@ -6,11 +6,15 @@ sun.py       SunShadows: this frame's cascades, who casts into each, keys of wha
 bias.py      how far a receiver is lifted     quality.py      what of the settings changes the frame's structure
 casters.py   sound bounds, what moved when    moments.py      maps that can be blurred: bounds, limits, weights
 atlas.py     tiles by importance              faces.py        what a tile sees: along a spot, or a side of a cube
+floor.py     ShadowFloor: a floor that nothing but shadows is seen of
 local.py     LocalShadows: tiles of local lights, who casts into each, keys, the buffer of the lookups
+tint_programs.py  pipelines that draw what blended surfaces leave of the sun's light
 
 camera, sun, bounding spheres ─► fit ─► cascades ─► rows of the view block ─► shaders/lib/shadows.glsl
                                     └─► caster masks, keys ─► passes/shadow_cascades.py ─► d32f array
                                         ─► passes/shadow_moments.py, for filters that blur ─► moments, mips
+                                        ─► passes/shadow_tints.py, where shadows are translucent ─► colours, depth of
+                                           the nearest ─► shaders/lib/shadow_tint.glsl
 
 lights that cast ─► atlas, faces ─► tiles ─► rows of a buffer ─► shaders/lib/local_shadows.glsl, soft_lamps.glsl
                                          └─► caster masks, keys ─► passes/local_shadows.py ─► d32f atlas
@@ -22,4 +26,11 @@ Only direct light is shadowed: of the first sun (the environment's if it has one
 of the local lights that cast; other suns shine through things. A local light with a size (an area light, a lamp with a
 radius) throws shadows as soft as geometry makes them.
 Solid lit surfaces cast, blended and unlit ones do not; all lit surfaces, blended ones too, show shadows.
+
+With `translucent_shadows` blended lit surfaces are filters for the sun: each leaves mix(white, its base colour, its
+alpha) of the light that meets it, a transmissive one its base colour times its transmission (McGuire, Mara 2017); filters in a
+row are a product. As often as a camera in the sun would see the surface blended: a closed body once, with both faces
+twice. A white pane leaves all light, whatever its alpha. Only the depth of the pane nearest to the sun is known: what
+is between two of them has the tint of both. pcss and the blurred maps look tints up in a disc of the filter's radius.
+Lamps are not tinted.
 """

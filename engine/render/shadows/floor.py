@@ -33,7 +33,8 @@ class ShadowFloor:
     def height(self, scene: Scene) -> float:
         """World y of the lowest point that is drawn, 0 where nothing is. What is skinned stands on its lowest joint, or
         on the floor of its bounds where those are higher; what morphs, on its unmorphed mesh."""
-        key = (id(scene), scene.transform_rev, scene.structure_rev, scene.instances.bounds_rev, scene.instances.drawn_rev)
+        table = scene.instances
+        key = (id(scene), scene.transform_rev, scene.structure_rev, table.bounds_rev, table.drawn_rev)
         if key != self._found[0]:
             self._found = (key, _lowest(scene, self._residency))
         return self._found[1]

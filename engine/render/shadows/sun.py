@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from engine.render.shadows.casters import finite_bounds, last_moved
 from engine.render.shadows.fit import Boxes, Cascade, boxes_of, casts_into, fit_cascades, with_depths
+from engine.render.shadows.floor import with_floor
 from engine.render.shadows.light_space import light_from_world
 from engine.render.shadows.moments import usable_exponent
 from engine.render.view import View
@@ -42,6 +43,8 @@ class SunShadows:
     cascades: list[Cascade] = field(default_factory=list)
     casters: NDArray[np.bool_] = field(default_factory=lambda: np.zeros((0, 0), np.bool_))
     keys: list[tuple[object, ...]] = field(default_factory=list)
+    #: world y of a floor that shows shadows, too (floor.py); set before `update`
+    floor: float | None = None
     _seen: tuple[object, ...] = ()
     _drawn: tuple[object, ...] = ()
     _casters: _Casters | None = None
@@ -57,7 +60,7 @@ class SunShadows:
         """
         settings, camera = view.settings, view.camera
         wanted = (
-            settings.shadow_cascades, settings.shadow_size, settings.shadow_split, settings.shadow_distance,
+            settings.shadow_cascades, settings.shadow_size, settings.shadow_split, settings.shadow_distance, self.floor,
         )  # fmt: skip
         seen = (
             id(scene), scene.transform_rev, scene.instances.bounds_rev, scene.instances.drawn_rev, camera.key(),
@@ -83,6 +86,8 @@ class SunShadows:
             receivers = with_depths(casters, center, radius, eye, forward)
         else:
             receivers = boxes_of(center, radius, self.axes, eye, forward)
+        if self.floor is not None:
+            receivers = with_floor(receivers, casters, self.floor, self.axes, eye, forward)
         self.cascades = fit_cascades(
             camera, view.aspect, self.axes, receivers, casters, count=settings.shadow_cascades,
             size=settings.shadow_size, weight=settings.shadow_split, distance=settings.shadow_distance,
