@@ -20,6 +20,7 @@ from editor.navigation import PRESETS
 from editor.operations import Operation, Operations, always
 from editor.prefab_operations import add_prefab_operations
 from editor.session import Session
+from editor.shadow_floor import add_shadow_floor_operations
 from editor.strings import LANGUAGES
 from editor.surroundings import add_surroundings_operations
 from editor.turntable import add_turntable_operations
@@ -450,6 +451,7 @@ def builtin_operations() -> Operations:
     add_look_operations(ops)
     add_surroundings_operations(ops)
     add_turntable_operations(ops)
+    add_shadow_floor_operations(ops)
     add_welcome_operations(ops)
     add_animation_operations(ops)
     add_direct_operations(ops)

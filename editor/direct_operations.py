@@ -13,12 +13,14 @@ import numpy as np
 from editor.arguments import REQUIRED, Argument, living_nodes
 from editor.camera_controls import from_matrix
 from editor.editing_operations import reparent
+from editor.focusing import add_focus_operation
 from editor.operations import Operation, Operations
 from editor.quality import add_quality_operations
 from editor.session import Session
 from editor.tables import FEATURES, QUEUE, TEXTURE, material_values
 from engine.core.errors import LucarnaError, UsageError
 from engine.math import quat, transform
+from engine.render.one_sample import along
 
 Run = Callable[..., None]
 #: columns of the tables whose columns are not the fields of a record
@@ -28,6 +30,7 @@ NODE_COLUMNS = ("translation", "rotation", "scale", "visible", "name")
 def add_direct_operations(ops: Operations) -> None:
     """Add them all to the registry."""
     add_quality_operations(ops)
+    add_focus_operation(ops)
 
     def add(
         id: str, label: str, run: Run, *arguments: Argument, about: str = "",
@@ -197,7 +200,9 @@ def _look(session: Session, eye: tuple[float, float, float], target: tuple[float
 
 def _set_setting(session: Session, name: str, value: Any) -> None:
     known = {p.name: p for p in session.settings.PARAMS}
-    session.apply_settings({name: known[name].check(value)}, f"Set {name.replace('_', ' ')}")
+    chosen = {name: known[name].check(value)}
+    more = along(chosen, int(getattr(session.settings, "samples", 1)))
+    session.apply_settings({**chosen, **more}, f"Set {name.replace('_', ' ')}")
 
 
 def _sample_setting(session: Session, dice: random.Random) -> dict[str, Any]:

@@ -116,6 +116,7 @@ FEATURES = (
        "Scene, Inspector"),
     _f("Moving files of a project, references follow", "file.move file.rename-asset", "Assets"),
     _f("Grey, chrome and colour chart in the picture", "view.look-card", "Viewport"),
+    _f("A floor that only shadows are seen of", "view.shadow-floor", "Viewport", "render"),
     _f("Themes", "view.theme-dark view.theme-high-contrast", "Preferences"),
     _f("Curves of clips", "", "Timeline", missing="handles and tangents that can be dragged: curves are shown only"),
     _f("Pictures of assets in the system's file manager", missing="no thumbnailers for file managers yet"),

@@ -108,7 +108,7 @@ def facts(document: Document) -> dict[str, str]:
     told: dict[str, str] = {}
     if np.isfinite(size).all():
         told["Size"] = f"{_metres(size[0])} × {_metres(size[1])} × {_metres(size[2])} m (x, y up, z)"
-        told["Looks like"] = looks_like(float(size.max()))
+        told["As large as"] = as_large_as(float(size.max()))
     table = scene.instances
     drawn = np.flatnonzero(table.alive)
     triangles = sum(
@@ -123,11 +123,11 @@ def facts(document: Document) -> dict[str, str]:
     return told
 
 
-def looks_like(largest: float) -> str:
-    """A thing of everyday of about that size: what tells wrong units at a glance."""
+def as_large_as(largest: float) -> str:
+    """A thing of everyday of about that size, and of that alone: what tells wrong units at a glance."""
     for limit, what in (
         (1e-3, "a grain of sand: too small?"), (0.02, "a coin: too small?"), (0.3, "a cup"), (1.2, "a chair"),
-        (2.6, "a person"), (8.0, "a car"), (40.0, "a house"), (400.0, "a street"),
+        (2.6, "a door"), (8.0, "a car"), (40.0, "a house"), (400.0, "a street"),
     ):  # fmt: skip
         if largest < limit:
             return what

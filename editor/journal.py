@@ -1,13 +1,17 @@
 """Journal: every edit as a line in a file, so that a crash loses none. No imgui.
 
     <settings folder>/recovery/<id>.journal         header line, then one JSON line per do, undo, redo, end, saved
-                              <id>.base.json        the scene file as it was when it was opened
-                              <id>.N.base.json      as it was when it was replaced for the Nth time, by a new import
+                              <id>.base.json        the scene as it was when it was opened
+                              <id>.N.base.json      the Nth one that came in its place, by a new import or prefab
                               <id>.snapshot.scene.json   the edited scene, now and then: readable by itself
 
 A line is handed to the system before the edit's frame ends, so killing the process loses nothing; every snapshot also
 waits for the disk. A journal whose process lives is locked. Closing a document in good order removes its files; what is
 left belongs to a run that died, and replaying it on the base gives document and undo history back.
+
+Undoing a replacement goes on with the scene that was there before it, whose rows are what they were: "rebased" names
+the base that the lines after it are about, and a replay does those of the last one, wherever they stand. What the
+prefabs of a scene's instances held is written down too: their files may be others when it is recovered.
 """
 
 from __future__ import annotations
@@ -18,8 +22,9 @@ import shutil
 import sys
 import time
 import uuid
+import weakref
 from collections.abc import Hashable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
 
@@ -29,7 +34,7 @@ from editor.commands.structure import StructureCommand, load
 from engine.core.errors import InputError, LucarnaError
 from engine.core.findings import Findings
 from engine.core.paths import user_config_dir
-from engine.scene.patch import ScenePatch, side_from_plain, side_to_plain
+from engine.scene.patch import ScenePatch, node_from_plain, side_from_plain, side_to_plain
 
 if TYPE_CHECKING:
     from editor.document import Document
@@ -49,85 +54,89 @@ class Journal:
 
     def __init__(self, document: Document, folder: Path) -> None:
         self.document = document
+        #: which base each scene that stood under the document has, and which one stands now
+        self._bases = weakref.WeakKeyDictionary({document.runtime: 0})
+        self._base = self._rebased = 0
+        self._prefabs: dict[tuple[int, Path], list[Any]] = {}
+        self._saved_to = document.saved_to
         folder.mkdir(parents=True, exist_ok=True)
         stem = f"{time.strftime('%Y%m%d-%H%M%S')}-{os.getpid()}-{uuid.uuid4().hex[:6]}"
         self.path = folder / f"{stem}.journal"
         if document.scene_path.is_file():
-            shutil.copyfile(document.base_path or document.scene_path, base_of(self.path))
+            self._write_base(base_of(self.path))
         self._file: IO[str] = self.path.open("x", encoding="utf-8")
         _lock(self._file)
         self.problem = ""
         self._changed = False
-        #: how many entries at the end of the history, and of what was undone, a replay would have, too
-        self._known = [0, 0]
-        self._count = len(document.history.entries)
         self._snapshot_after = time.monotonic() + SNAPSHOT_SECONDS
-        self._rebased = 0
         self._line({"lucarna-journal": VERSION, **self._place(), "started": time.time()})
+        self._note_prefabs()
         document.history.listener = self.record
 
     def record(self, what: str, edit: Edit | None, gesture: Hashable | None) -> None:
         """One event of the history. A disk that is full stops the journal, not the user: see `problem`."""
         history = self.document.history
         concerned = {"undo": history.undone[:1], "redo": history.entries[-1:]}.get(what, (edit,))
-        if isinstance(concerned[0] if concerned else None, (Replacement, FileStep)):
-            self._count = len(history.entries)
-            return  # `rebase` has written down what stands now; files are no part of it
-        what, edit = self._as_replayed(what, edit)
-        line: dict[str, Any] = {"e": what, "n": len(history.entries), "dirty": history.dirty}
-        if edit is not None:
-            line["c"] = edit_to_plain(edit)
-            if gesture is not None:
-                line["g"] = repr(gesture)
-        if what == "saved" and self.document.saved_to is not None:
-            line["to"] = str(self.document.saved_to)
         try:
+            if self._bases.get(self.document.runtime) != self._base:
+                self._rebase()
+            self._note_prefabs()
+            if isinstance(concerned[0] if concerned else None, (Replacement, FileStep)):
+                return  # what stands now is written down; files are no part of a replay
+            line: dict[str, Any] = {"e": what, "n": len(history.entries), "dirty": history.dirty}
+            if edit is not None:
+                line["c"] = edit_to_plain(edit)
+                if gesture is not None:
+                    line["g"] = repr(gesture)
+            if what == "saved" or self.document.saved_to != self._saved_to:
+                line["to"] = str(self.document.saved_to or "")
+                self._saved_to = self.document.saved_to
             self._line(line)
-        except (OSError, ValueError) as error:
+        except (OSError, ValueError, LucarnaError) as error:
             self.problem = self.problem or str(error)
         self._changed = True
 
-    def rebase(self) -> None:
-        """The scene under the document became another one: what stands now is what a replay begins with."""
-        from editor.saving import current_scene
+    def _rebase(self) -> None:
+        """Another scene stands under the document: the lines that follow are about that one."""
+        document, history = self.document, self.document.history
+        base = self._bases.get(document.runtime)
+        new = base is None
+        if base is None:
+            base = self._rebased = self._rebased + 1
+            self._bases[document.runtime] = base
+            self._write_base(base_of(self.path, base))
+        self._base, self._saved_to = base, document.saved_to
+        stands: dict[str, Any] = {"n": len(history.entries), "dirty": history.dirty}
+        self._line({"e": "rebased", "base": base, **self._place(), **stands, "to": str(document.saved_to or "")})
+        for (table, column, row), value in document.overrides.items() if new else ():
+            edit = Command(table, column, (row,), (None,), (value,), "Recovered")
+            self._line({"e": "do", "c": edit_to_plain(edit), **stands})
+
+    def _write_base(self, path: Path) -> None:
+        """What a replay begins with; with instances as their prefabs were when the scene was read."""
+        from engine.assets.prefab import has_instances
         from engine.assets.scene_json import write_scene
 
-        self._rebased += 1
-        try:
-            asset = current_scene(self.document)
-            write_scene(base_of(self.path, self._rebased), asset)
-            self._line({"e": "rebased", "base": self._rebased, **self._place()})
-            for (table, column, row), value in self.document.overrides.items():
-                if table == "materials":
-                    edit = Command(table, column, (row,), (None,), (value,), "Recovered")
-                    self._line({"e": "do", "c": edit_to_plain(edit)})
-        except (OSError, ValueError, LucarnaError) as error:
-            self.problem = self.problem or str(error)
-        self._known = [0, 0]
+        document = self.document
+        asset = getattr(document.runtime, "asset", None)
+        if asset is not None and (self._rebased or has_instances(asset)):
+            write_scene(path, asset)
+        else:
+            shutil.copyfile(document.base_path or document.scene_path, path)
 
-    def _as_replayed(self, what: str, edit: Edit | None) -> tuple[str, Edit | None]:
-        """The event as a replay can do it: one that reaches behind the last `rebase` becomes an edit of its own."""
-        history, known = self.document.history, self._known
-        count, self._count = self._count, len(history.entries)
-        if what == "do":
-            if self._count > count:
-                known[0] += 1
-            known[1] = 0
-        elif what == "undo":
-            undone = history.undone[0]
-            if known[0] == 0 and self._rebased:
-                known[1] = 0
-                return "do", undone.inverse()
-            known[0], known[1] = max(known[0] - 1, 0), known[1] + 1
-        elif what == "redo":
-            if known[1] == 0 and self._rebased:
-                known[0] += 1
-                return "do", history.entries[-1]
-            known[0], known[1] = known[0] + 1, max(known[1] - 1, 0)
-        return what, edit
+    def _note_prefabs(self) -> None:
+        """Write down what the prefabs of the document held when it took them up."""
+        for path, nodes in self.document.prefabs.items():
+            if self._prefabs.get((self._base, path)) is not nodes:
+                self._prefabs[self._base, path] = nodes
+                self._line({"prefab": str(path), "nodes": [asdict(node) for node in nodes]})
 
     def tick(self) -> None:
         """Now and then, while nothing is dragged: a snapshot, if anything changed."""
+        try:
+            self._note_prefabs()
+        except (OSError, ValueError) as error:
+            self.problem = self.problem or str(error)
         now = time.monotonic()
         if not self._changed or now < self._snapshot_after:
             return
@@ -186,7 +195,7 @@ class Recovery:
     modified: float
     edits: int
     dirty: bool
-    #: how often the scene under the document was replaced
+    #: the number of the base that stood under the document last
     rebased: int = 0
 
     @property
@@ -230,14 +239,29 @@ def replay(document: Document, path: Path) -> int:
     An event that no longer fits (its files changed) ends the replay: raises InputError, and what came before stays."""
     history = document.history
     done = 0
-    for number, line in _since_rebased(path):
+    lines = list(_lines(path))
+    moves = [int(line["base"]) for _, line in lines if line.get("e") == "rebased"]
+    last, here = moves[-1] if moves else 0, 0
+    for number, line in lines:
         what = line.get("e")
+        here = int(line["base"]) if what == "rebased" else here
+        if here != last:
+            if what == "saved":
+                history.mark_unsaved()  # what is in the file is another scene than this
+            continue
         try:
+            if "to" in line:
+                document.saved_to = Path(line["to"]) if line["to"] else None
+            if "prefab" in line:
+                document.prefabs[Path(line["prefab"])] = [node_from_plain(node) for node in line["nodes"]]
             if what == "do":
                 history.do(edit_from_plain(line["c"], document), line.get("g"))
             elif what == "saved":
-                document.saved_to = Path(line["to"]) if line.get("to") else document.saved_to
                 history.mark_saved()
+            elif what in {"unsaved", "rebased"}:
+                if line.get("dirty", True) and not history.dirty:
+                    history.mark_unsaved()
+                continue
             elif what in {"undo", "redo", "end"}:
                 {"undo": history.undo, "redo": history.redo, "end": history.end_gesture}[what]()
             else:
@@ -249,6 +273,8 @@ def replay(document: Document, path: Path) -> int:
             ) from error  # fmt: skip
         done += 1
     history.end_gesture()
+    if moves and not history.dirty and any(line.get("dirty") for _, line in lines[-1:]):
+        history.mark_unsaved()
     return done
 
 
@@ -323,13 +349,6 @@ def _lines(path: Path) -> Iterator[tuple[int, dict[str, Any]]]:
                 yield number, data
 
 
-def _since_rebased(path: Path) -> list[tuple[int, dict[str, Any]]]:
-    """The lines after the last "rebased", which say all that happened since what is in that base."""
-    lines = list(_lines(path))
-    start = max((i for i, (_, line) in enumerate(lines) if line.get("e") == "rebased"), default=-1)
-    return lines[start + 1 :]
-
-
 def _summary(path: Path) -> Recovery | None:
     """What the prompt says of a journal, by its last whole line; None for a file that is none."""
     header: dict[str, Any] | None = None
@@ -341,7 +360,7 @@ def _summary(path: Path) -> Recovery | None:
                     return None
                 header = line
             elif line.get("e") == "rebased":
-                header, rebased, dirty = {**header, **line}, int(line["base"]), True
+                header, rebased, dirty = {**header, **line}, int(line["base"]), bool(line.get("dirty", True))
             elif "e" in line:
                 edits, dirty = int(line.get("n", edits + 1)), bool(line.get("dirty", True))
         if header is None:

@@ -25,9 +25,11 @@ def resolve_path(path: Path, progress: Progress, extensions: Sequence[str]) -> R
     Raises InputError when nothing there can be opened, Cancelled when `progress` calls it off.
     """
     from importers.cache import scene_for
+    from importers.project.move_log import recover_around
     from importers.settings import ImportSettings
 
     path = Path(path)
+    put_back = recover_around(path)
     if not path.exists():
         raise InputError("there is no such file or folder", where=path)
     root, name, start = None, "", path
@@ -44,6 +46,10 @@ def resolve_path(path: Path, progress: Progress, extensions: Sequence[str]) -> R
         start = pick_from_folder(path, extensions)
     progress(f"Importing {start.name}", -1.0)
     scene, findings = scene_for(start, settings=ImportSettings(), progress=progress)
+    if put_back:
+        findings.warn(
+            "project.interrupted-move", f"a move was interrupted; put back: {', '.join(put_back)}", "", "move it again"
+        )  # fmt: skip
     return Resolved(path, Path(scene), root, name, findings, _source_of(start))
 
 

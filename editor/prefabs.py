@@ -128,8 +128,8 @@ def _add(
         scene.nodes.set_matrix(int(rows[0]), matrix)
         return [int(rows[0])]
 
-    structure.change(document, f"Place {name}", make, loads)
     document.prefabs[path] = instance_nodes(path, folder)
+    structure.change(document, f"Place {name}", make, loads)
     return document.selection
 
 

@@ -19,7 +19,7 @@ def start(session: Session, document: Document) -> None:
         return
     try:
         session.journal = Journal(document, session.recovery_folder)
-    except OSError as error:
+    except (OSError, LucarnaError) as error:
         session.messages.warn(f"Edits are not kept for a recovery: {error}", where=str(session.recovery_folder))
 
 

@@ -120,8 +120,6 @@ def follow(session: Session, document: Document) -> None:
     session.tools.points.clear()
     session.ui.rename, session.ui.pick_list = -1, ()
     document.runtime.scene.update()
-    if session.journal is not None and document.history.listener is not None:
-        session.journal.rebase()
 
 
 def release(session: Session, document: Document, edits: list[Edit]) -> None:

@@ -104,11 +104,13 @@ def park(session: Session) -> None:
         return
     tab = session.tabs[index]
     session.end_gesture()
+    keep_compared = session.comparing.parked(session)
     for name in FIELDS:
         setattr(tab, name, getattr(session, name))
     tab.points = list(session.tools.points)
     session._settings = copy.deepcopy(session._settings)  # what comes next begins with the same, and goes its own way
     clear(session)
+    keep_compared()
 
 
 def clear(session: Session) -> None:

@@ -12,11 +12,12 @@ from numpy.typing import NDArray
 class Tools:
     """`mode`: select, move, rotate, scale. `local`: handles turned as the node, else as the world.
 
-    `measuring`: clicks set the two points (world, metres) of the measure."""
+    `measuring`: clicks set the two points (world, metres) of the measure. `focusing`: the next one sets the focus."""
 
     mode: str = "move"
     local: bool = False
     measuring: bool = False
+    focusing: bool = False
     #: the camera goes round by itself
     turning: bool = False
     points: list[NDArray[np.float64]] = field(default_factory=list)
@@ -35,4 +36,4 @@ class Tools:
     def forget(self) -> None:
         """Another document: what was measured is gone."""
         self.points.clear()
-        self.measuring = self.turning = False
+        self.measuring = self.turning = self.focusing = False

@@ -11,6 +11,7 @@ from engine.assets.scene import EnvironmentAsset
 from engine.core.errors import InputError
 from engine.core.findings import Findings
 from importers.cache import scene_for
+from importers.project.move_log import recover_around
 from importers.settings import ImportSettings
 
 
@@ -21,6 +22,7 @@ def scene_path(
 
     Raises InputError when there is nothing to open, FormatError when the source is no sound file.
     """
+    recover_around(path)
     if not path.exists():
         raise InputError("there is no such file or folder", where=path)
     if path.is_dir() or path.name == "project.toml":

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 
 from editor.commands.command import Edit
 
-#: (what: do | undo | redo | end | saved, the edit of a `do`, its gesture)
+#: (what: do | undo | redo | end | saved | unsaved, the edit of a `do`, its gesture)
 Listener = Callable[[str, Edit | None, Hashable | None], None]
 
 
@@ -158,6 +158,12 @@ class History:
         self._settle()
         self._saved = len(self._done)
         self._tell("saved")
+
+    def mark_unsaved(self) -> None:
+        """The document differs from what is in its file, whatever is undone."""
+        self._settle()
+        self._saved = None
+        self._tell("unsaved")
 
     def _tell(self, what: str, command: Edit | None = None, gesture: Hashable | None = None) -> None:
         if self.listener is not None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import statistics
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -23,7 +24,8 @@ TIMES = 9
 
 
 class Comparing:
-    """`a` belongs to `document` alone. `split`: where the wipe is, 0..1. `held`: A shows while a key is held down."""
+    """`a`, `mode` and `split` (where the wipe is, 0..1) are those of the document last in front; each document has its
+    own. `held`: A shows while a key is held down."""
 
     def __init__(self) -> None:
         self.a: Moment | None = None
@@ -34,6 +36,8 @@ class Comparing:
         self.flip: float | str | None = None
         self.aside = FlipAside()
         self._document: Document | None = None
+        #: by id: (document, A, mode, split) of those that are not in front
+        self._behind: dict[int, tuple[Document, Moment, str, float]] = {}
         self._held_moment: Moment | None = None
         self._texture: Any = None
         self._uploaded: Any = None
@@ -48,8 +52,8 @@ class Comparing:
 
     def take(self, session: Session, label: str = "") -> None:
         """Make the present state A."""
+        self._follow(session)
         self.a = now(session, label or self._name(session))
-        self._document = session.document
         self._forget_numbers()
 
     def show(self, session: Session, mode: str) -> None:
@@ -94,8 +98,29 @@ class Comparing:
     # --- what is shown ---
 
     def moment(self, session: Session) -> Moment | None:
-        """A, if it is of the document in front."""
-        return self.a if self._document is session.document and session.document is not None else None
+        """A of the document in front."""
+        self._follow(session)
+        return self.a if session.document is not None else None
+
+    def parked(self, session: Session) -> Callable[[], None]:
+        """The document in front goes behind: call this before `forget`, and what it returns after, so that A waits."""
+        self._follow(session)
+        document, kept = self._document, self.a
+        if document is None or kept is None:
+            return lambda: None
+        state = (document, kept, self.mode, self.split)
+        return lambda: self._behind.update({id(document): state})
+
+    def _follow(self, session: Session) -> None:
+        """Another document came to the front: its own A is the one now."""
+        front = session.document
+        if front is self._document:
+            return
+        self.release()
+        self.a, self.mode, self._document = None, OFF, front
+        if front is not None and id(front) in self._behind:
+            _, self.a, self.mode, self.split = self._behind.pop(id(front))
+        self._forget_numbers()
 
     def showing(self, session: Session) -> str:
         """How the viewport shows the two now: one of the modes."""
@@ -184,8 +209,7 @@ class Comparing:
 
     def forget(self, session: Session) -> None:
         """A document is being closed: nothing of A stays, if it is of that one."""
-        if self._document is not session.document:
-            return
+        self._follow(session)
         self.release()
         self.clear()
         self._document = None

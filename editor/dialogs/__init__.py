@@ -15,7 +15,18 @@ class Dialogs:
     """All of them, with their state."""
 
     def __init__(self) -> None:
-        from editor.dialogs import arguments, cards, choose, files, import_card, modals, palette, pick_list, recovery, rename_asset
+        from editor.dialogs import (
+            arguments,
+            cards,
+            choose,
+            files,
+            import_card,
+            modals,
+            palette,
+            pick_list,
+            recovery,
+            rename_asset,
+        )
         from editor.plugins import windows as plugin_windows
 
         self.parts = (

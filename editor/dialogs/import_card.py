@@ -3,6 +3,7 @@ buttons that mend the usual mistakes. No modal: everything else goes on."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 
 from imgui_bundle import imgui
@@ -20,11 +21,30 @@ from importers.settings import ImportSettings
 
 #: findings and orphans that are listed; of more, their count
 LISTED = 6
+#: em: how wide it is at most; from the viewport's edge; where it begins; the bars above the picture; worth showing
+WIDTH, EDGE, TOP, BARS, LEAST = 23.0, 0.8, 13.5, 5.0, 15.0
 FLAGS = (
     imgui.WindowFlags_.no_saved_settings | imgui.WindowFlags_.no_docking | imgui.WindowFlags_.always_auto_resize
     | imgui.WindowFlags_.no_focus_on_appearing | imgui.WindowFlags_.no_nav | imgui.WindowFlags_.no_title_bar
     | imgui.WindowFlags_.no_move
 )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """em; `height`: at most, the rest is scrolled to. `whole`: there is room for more than a line."""
+
+    top: float
+    width: float
+    height: float
+    whole: bool
+
+
+def placed(width: float, height: float) -> Place:
+    """Where the card goes in a viewport of that size (em): below the axes where there is room, else further up."""
+    top = max(min(TOP, height - LEAST), BARS)
+    room = height - top - EDGE
+    return Place(top, max(min(WIDTH, width - 2.0 * EDGE), 8.0), max(room, 2.4), room >= LEAST - BARS)
 
 
 class ImportCard:
@@ -34,6 +54,8 @@ class ImportCard:
         self._key: object = None
         self._facts: dict[str, str] = {}
         self._read: tuple[object, ImportSettings] | None = None
+        #: whether all of it is shown, as somebody chose; None: as there is room
+        self._whole: bool | None = None
 
     def draw(self, ui: Ui) -> None:
         session = ui.session
@@ -46,23 +68,32 @@ class ImportCard:
             self._key, self._facts = key, import_settings.facts(document)
         area = imgui.get_main_viewport()
         found = imgui.internal.find_window_by_name(f"###{ViewportPanel.title}")
-        right, top = (
-            (found.pos.x + found.size.x, found.pos.y) if found is not None else (area.pos.x + area.size.x, area.pos.y)
-        )
-        imgui.set_next_window_pos((right - em(0.8), top + em(13.5)), imgui.Cond_.always, (1.0, 0.0))
-        imgui.set_next_window_size_constraints((em(19), 0), (em(23), em(36)))
+        pos, size = (found.pos, found.size) if found is not None else (area.pos, area.size)
+        place = placed(size.x / em(1), size.y / em(1))
+        imgui.set_next_window_pos(
+            (pos.x + size.x - em(EDGE), pos.y + em(place.top)), imgui.Cond_.always, (1.0, 0.0)
+        )  # fmt: skip
+        imgui.set_next_window_size_constraints((em(place.width), 0), (em(place.width), em(place.height)))
         imgui.set_next_window_bg_alpha(0.95)
         imgui.begin(self.NAME, None, FLAGS)
         with bold(ui):
-            imgui.text_unformatted(f"{icons.MESH}  {fitted(document.imported_from.name, em(15))}")
-        imgui.same_line(em(20.6))
+            imgui.text_unformatted(f"{icons.MESH}  {fitted(document.imported_from.name, em(place.width - 6.5))}")
+        imgui.same_line(em(place.width - 4.2))
+        whole = place.whole if self._whole is None else self._whole
+        if imgui.small_button("–" if whole else "+"):
+            self._whole = not whole
+        tooltip("Its name only" if whole else "All of it")
+        imgui.same_line(0, em(0.3))
         if imgui.small_button("×"):
             session.ui.import_card = False
         tooltip("Put it away; File, Import card brings it back")
+        if not whole:
+            imgui.end()
+            return
         for name, value in self._facts.items():
             text(name, theme.DIM)
             imgui.same_line(em(5.2))
-            imgui.text_unformatted(fitted(value, em(16.5)))
+            imgui.text_unformatted(fitted(value, em(place.width - 6.5)))
         self._fixes(ui)
         self._news(ui)
         imgui.end()

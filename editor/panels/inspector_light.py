@@ -38,7 +38,7 @@ _FIELDS = (
     Param("height", "float", 1.0, 0.0, unit="m", doc="Along the node's Y"),
     Param("two_sided", "bool", False, doc="Shine to the back, too"),
     Param("casts_shadow", "bool", False, doc="Things hide its light (costs a depth map, six but for a spot)"),
-    Param("radius", "float", 0.0, 0.0, unit="m", doc="Of what shines: the larger, the softer its shadows away from things"),
+    Param("radius", "float", 0.0, 0.0, unit="m", doc="Of what shines: the larger, the softer its shadows"),
 )
 FIELDS = {f.name: dataclasses.replace(f, default=getattr(LightAsset(), f.name)) for f in _FIELDS}
 FIELDS["type"] = dataclasses.replace(FIELDS["type"], default="point")

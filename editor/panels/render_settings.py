@@ -6,13 +6,14 @@ from typing import ClassVar
 
 from imgui_bundle import imgui
 
-from editor import icons
+from editor import icons, theme
 from editor.panels.base import Panel
 from editor.param_widgets import param_row
 from editor.quality import current
 from editor.ui import Ui
-from editor.widgets import property_grid, section
+from editor.widgets import pretty, property_grid, section, text
 from engine.core.param import Param
+from engine.render.one_sample import along, idle
 from engine.render.presets import NAMES
 
 #: heading -> names; what is in none goes under the last
@@ -36,16 +37,24 @@ class RenderSettingsPanel(Panel):
 
     def draw(self, ui: Ui) -> None:
         settings = ui.session.settings
+        samples = int(getattr(settings, "samples", 1))
+        unused = idle(settings.values())
         self._quality(ui)
         for heading, params in grouped(settings.PARAMS).items():
             if params and section(ui, heading):
                 with property_grid(heading) as shown:
                     for param in params if shown else ():
-                        changed, value = param_row(param, getattr(settings, param.name))
-                        if changed:
+                        why = unused.get(param.name, "")
+                        changed, value = param_row(param, getattr(settings, param.name), more=why)
+                        if why:
+                            imgui.push_text_wrap_pos(0.0)
+                            text(f"{icons.WARNING} {why}", theme.WARNING)
+                            imgui.pop_text_wrap_pos()
+                        if changed and (more := along({param.name: value}, samples)):
+                            ui.session.apply_settings({param.name: value, **more}, pretty(param.name))
+                        elif changed:
                             setattr(settings, param.name, value)
                 imgui.spacing()
-
 
     @staticmethod
     def _quality(ui: Ui) -> None:

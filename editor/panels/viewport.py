@@ -10,6 +10,7 @@ from imgui_bundle import imgui
 from editor import (
     axis_widget,
     camera_controls,
+    focusing,
     icons,
     legend_overlay,
     light_outlines,
@@ -112,6 +113,7 @@ class ViewportPanel(Panel):
         over_axes = self.compare.draw(ui, origin.x, origin.y, width, height, hoverable=free)
         over_axes |= self._overlays(ui, origin.x, origin.y, width, height, free and not over_axes)
         blocked = bool(self.motion) or over_axes or bool(imgui.get_io().key_alt) or session.tools.measuring
+        blocked |= session.tools.focusing
         self.gizmo.draw(ui, origin.x, origin.y, width, height, blocked=blocked)
         if self.motion == "select" and self._travel > em(CLICK_SLOP):
             overlay.draw_rectangle(self._start, (imgui.get_io().mouse_pos.x, imgui.get_io().mouse_pos.y))
@@ -212,7 +214,9 @@ class ViewportPanel(Panel):
 
     def _click(self, ui: Ui, u: float, v: float) -> None:
         io, session = imgui.get_io(), ui.session
-        if session.tools.measuring:
+        if session.tools.focusing:
+            focusing.focus_at(session, u, v)
+        elif session.tools.measuring:
             session.measure(u, v)
         elif io.key_alt:
             session.pick_through(u, v)

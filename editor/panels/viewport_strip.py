@@ -32,7 +32,7 @@ TOOLS = (
     ("tool.scale", icons.SCALE), ("tool.local", icons.AXES), ("tool.measure", icons.RULER),
 )  # fmt: skip
 COMPARING = (("compare.take", "A"), ("compare.wipe", icons.COMPARE), ("compare.difference", icons.DIFFERENCE))
-STAGING = (("view.look-card", icons.MATERIAL), ("view.turntable", icons.TURNTABLE))
+STAGING = (("view.look-card", icons.MATERIAL), ("view.shadow-floor", icons.FLOOR), ("view.turntable", icons.TURNTABLE))
 
 
 def draw(ui: Ui) -> None:

@@ -103,9 +103,9 @@ class Runtime:
 
         `baker` gives the baked file of an environment image or sky (importers.opening has one). `root`: the folder of
         the project that it belongs to, whose effects and shaders go before the built-in ones. `base`: a file with
-        the scene as it once was, to be opened in its place and with its neighbours."""
+        the scene as it once was, to be opened in its place and with its neighbours; its instances stay as they are."""
         notes = Findings(str(path))
-        asset = refresh(read_scene(base or path), path.parent, notes, (path.absolute(),))
+        asset = read_scene(base) if base else refresh(read_scene(path), path.parent, notes, (path.absolute(),))
         self.load(asset, path.parent, path, baker=baker, shaders=shader_folders(root or path.parent))
         self.findings.items.extend(notes.items)
 

@@ -253,7 +253,9 @@ def format_scene(scene: SceneAsset, file: str = "") -> str:
 
 
 #: what `check_field` knows, by the name that an editor's table has
-_RECORDS: dict[str, Record[Any]] = {"nodes": _NODE, "lights": _LIGHT, "cameras": _CAMERA, "environment": _ENVIRONMENT, "look": _LOOK}
+_RECORDS: dict[str, Record[Any]] = {
+    "nodes": _NODE, "lights": _LIGHT, "cameras": _CAMERA, "environment": _ENVIRONMENT, "look": _LOOK,
+}  # fmt: skip
 
 
 def check_field(kind: str, field: str, value: Any) -> None:

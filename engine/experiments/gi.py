@@ -130,7 +130,14 @@ def run(ctx: Context, chosen: Knobs) -> Trial:
 
 
 def judge(ctx: Context, scene: OpenScene, chosen: Knobs, truth: F8) -> Outcome:
-    ours = radiance(scene, view(ctx, scene, chosen)).reshape(truth.shape)
+    shown = chosen["method"] == "off" or chosen["steps"] in (DEFAULT["steps"], THESIS["steps"])
+    label = f"{chosen['problem']}: {chosen['method']}" if shown else ""
+    return judge_picture(ctx, radiance(scene, view(ctx, scene, chosen)), truth, label)
+
+
+def judge_picture(ctx: Context, ours: F8, truth: F8, label: str) -> Outcome:
+    """Errors of linear light beside `truth` f8[h,w,3]; pictures of both where there is a `label`."""
+    ours = ours.reshape(truth.shape)
     scale = MIDDLE / max(float(truth.mean()), 1e-12)
     display = [linear_to_srgb(np.clip(p * scale, 0.0, 1.0)) for p in (ours, truth)]
     shown = [to_u1(p) for p in display]
@@ -139,14 +146,11 @@ def judge(ctx: Context, scene: OpenScene, chosen: Knobs, truth: F8) -> Outcome:
         "bias": float(np.mean(ours - truth)), "energy": float(ours.mean() / max(truth.mean(), 1e-12)),
         "flip": flip(*shown)[0],
     }  # fmt: skip
-    rows = []
-    if chosen["method"] == "off" or chosen["steps"] in (DEFAULT["steps"], THESIS["steps"]):
-        label = f"{chosen['problem']}: {chosen['method']}"
-        rows = beside_truth(ctx, label, shown[0], "path traced", shown[1])
-    return Outcome(error, pictures=rows)
+    return Outcome(error, pictures=beside_truth(ctx, label, shown[0], "path traced", shown[1]) if label else [])
 
 
-def noise_floor(ctx: Context) -> Floor | None:
+def shown_floor(ctx: Context) -> Floor | None:
+    """Of the films that are kept in the scratch, as shown."""
     found = []
     for film in ctx.scratch.values():
         if hasattr(film, "halves"):
@@ -177,7 +181,8 @@ def tables(ctx: Context, points: Sequence[Point]) -> list[Table]:
             ])  # fmt: skip
     return [
         Table(
-            "On, off, and the thesis's 50 places", ["problem", "what", "ms", "costs ms", "display rmse", "FLIP", "energy"], rows,
+            "On, off, and the thesis's 50 places",
+            ["problem", "what", "ms", "costs ms", "display rmse", "FLIP", "energy"], rows,
             "Whole frames; what it costs is beside the frame with it off. Energy: all light of the picture over that of"
             " the truth.",
         ),
@@ -201,7 +206,8 @@ def known(ctx: Context) -> list[Answer]:
 def extremes(ctx: Context) -> Iterator[Extreme]:
     """What is known without a path tracer; and a lamp that goes out while pictures follow one another."""
     for answer in known(ctx):
-        yield Extreme(answer.what, f"{answer.ours:.4g}, truth {answer.truth:.4g}, off by {answer.error:+.2g}", answer.ok)
+        found = f"{answer.ours:.4g}, truth {answer.truth:.4g}, off by {answer.error:+.2g}"
+        yield Extreme(answer.what, found, answer.ok)
     if ctx.device is not None:
         for smooth in (False, True):
             frames = lag(ctx.device, smooth=smooth)
@@ -226,7 +232,7 @@ EXPERIMENT = Experiment(
     needs=frozenset({"gpu", "rays"}),
     own_scene=True,
     timed="gpu",
-    noise_floor=noise_floor,
+    noise_floor=shown_floor,
     time_label="median frame time",
     note="No order is expected: places outside of the picture, and backs of what is seen, are not known however many"
     " places are looked at.",

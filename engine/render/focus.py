@@ -1,8 +1,8 @@
 """Depth of field: how wide the light of a point falls on the picture, by lens and distance.
 
-A lens of the width A = focal length / f-stop that is focused at the distance s spreads a point at the distance d over a
-disc of A F |1/s - 1/d| pixels, with F pixels to the unit of slope: by similar triangles between lens, plane of focus and
-point (Potmesil, Chakravarty 1981, eq. 4 to 6, where the picture's angle is that of the focused lens).
+A lens of the width A = focal length / f-stop that is focused at the distance s spreads a point at the distance d over
+a disc of A F |1/s - 1/d| pixels, with F pixels to the unit of slope: by similar triangles between lens, plane of focus
+and point (Potmesil, Chakravarty 1981, eq. 4 to 6, where the picture's angle is that of the focused lens).
 """
 
 from __future__ import annotations

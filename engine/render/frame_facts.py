@@ -45,10 +45,10 @@ def facts_of(
         ambient_occlusion=(
             hidden := occlusion_of(settings, lit=lit, solid=draws.has_solid, live=view.seconds is not None)
         ),
-        indirect=indirect_of(settings, solid=draws.has_solid, lit=lit, live=view.seconds is not None),
+        indirect=(light := indirect_of(settings, solid=draws.has_solid, lit=lit, live=view.seconds is not None)),
         auto_exposure=settings.auto_exposure and settings.shading_view in LIT_LOOK,
         taa=(taa := taa_wanted(view, caps)),
-        motion=taa or hidden.temporal,
+        motion=taa or hidden.temporal or light.smooth,
         depth_of_field=dof_wanted(view, caps),
         bloom=bloom_of(settings, view.width, view.height, shown=settings.shading_view in LIT_LOOK),
         area_lights=rows.light_tables.area,

@@ -35,8 +35,8 @@ class MorphRows:
         return len(self._offsets)
 
     def put_before(self, rows: U4, objects: int) -> int:
-        """Have the rows of the frame before, of as many `objects`, behind those of now; returns how far behind the table
-        of now theirs is."""
+        """Have the rows of the frame before, of as many `objects`, behind those of now; returns how far behind the
+        table of now theirs is."""
         shift = len(self.rows)
         moved = rows.copy()
         moved[:objects] += np.where(rows[:objects] > 0, shift, 0).astype(np.uint32)

@@ -7,6 +7,7 @@ each takes on this device for the scene at hand (engine.app.calibration), never 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -16,6 +17,8 @@ if TYPE_CHECKING:
     from engine.render.settings import RenderSettings
 
 AUTO = "auto"
+#: frames whose times differ by less than this factor are as quick as each other, as far as a few of them tell
+ALIKE = 1.1
 
 #: from the quickest to the best
 PRESETS: dict[str, dict[str, Value]] = {
@@ -69,6 +72,7 @@ def within_budget(milliseconds: Mapping[str, float], budget: float, what: str) -
     if fitting:
         best = fitting[-1]
         return Chosen(best, f"{best}: the best within {budget:g} ms; frames of {what} take {times} ms", True)
-    quickest = min(milliseconds, key=lambda name: milliseconds[name])
+    least = min(milliseconds.values()) * ALIKE
+    quickest = next(name for name in NAMES if milliseconds.get(name, math.inf) <= least)
     why = f"{quickest}: none stays within {budget:g} ms, it takes the least; frames of {what} take {times} ms"
     return Chosen(quickest, why, False)

@@ -97,7 +97,8 @@ class SceneRows:
         draws, drawn, shadows = self.draws, scene.instances.drawn, self.local_shadows
         if shadows.update(
             scene, view, self.lights.world, draws.casting & drawn,
-            receiving=floor_wanted(view.settings) or bool((draws.receiving & drawn).any()), state=self._look_of_casters(view),
+            receiving=floor_wanted(view.settings) or bool((draws.receiving & drawn).any()),
+            state=self._look_of_casters(view),
         ):  # fmt: skip
             draws.update_lamp_casters(shadows.casters)
         return shadows.atlas

@@ -75,8 +75,8 @@ class RenderSettings(ParamBlock):
     samples: int = param(4, min=1, max=8, doc="anti-aliasing samples a pixel (1, 2, 4, 8; limited by the device)")
     antialias: str = param(
         "none", choices=("none", "fxaa", "smaa", "taa"),
-        doc="with samples = 1. fxaa, smaa: smooth edges of the finished picture (smaa keeps more of what is no edge); taa:"
-        " the mean of frames that look elsewhere in each pixel",
+        doc="with samples = 1. fxaa, smaa: smooth edges of the finished picture (smaa keeps more of what is no edge);"
+        " taa: the mean of frames that look elsewhere in each pixel",
     )  # fmt: skip
     taa_frames: int = param(16, min=1, max=64, doc="taa: places in a pixel that are looked at, one a frame")
     taa_part: float = param(
@@ -163,7 +163,7 @@ class RenderSettings(ParamBlock):
     ao_steps: int = param(8, min=1, max=64, doc="places on each side of a slice; alchemy: places in all")
     ao_bent: bool = param(True, doc="take environment light from where it is open, not from the normal (gtao)")
     ao_bounces: bool = param(
-        False, doc="what hides light sends on what it receives, where it is bright; light between surfaces (gi) does so better"
+        False, doc="what hides light sends on what it receives, where it is bright; gi does so better"
     )
     ao_half: bool = param(False, doc="look at every second row and column only")
     ao_temporal: bool = param(
@@ -182,7 +182,7 @@ class RenderSettings(ParamBlock):
     )
     gi_method: str = param(
         "slices", choices=gi_choice.METHODS,
-        doc="slices: what is nearer hides what is farther; spiral: the mean of what is in front, nothing hides anything",
+        doc="slices: the nearer hides the farther; spiral: the mean of what is in front, nothing hides anything",
     )  # fmt: skip
     gi_directions: int = param(1, min=1, max=16, doc="slices through each pixel")
     gi_steps: int = param(16, min=1, max=64, doc="places on each side of a slice; spiral: places in all")
@@ -222,12 +222,12 @@ class RenderSettings(ParamBlock):
     )
     depth_of_field: bool = param(False, doc="blur what is not in focus, with samples = 1")
     focus: float = param(
-        0.0, min=0.0, max=1e6, step=0.05, unit="m", doc="distance that is sharp; 0 = what is in the middle of the picture"
+        0.0, min=0.0, max=1e6, step=0.05, unit="m", doc="distance that is sharp; 0 = what is in the middle"
     )
     f_stop: float = param(2.8, min=0.5, max=64.0, step=0.1, doc="focal length over the lens's width: less blurs more")
     sensor: float = param(
-        24.0, min=0.1, max=1000.0, step=0.5, unit="mm", doc="height of the picture in the camera; with the view's angle it"
-        " makes the focal length",
+        24.0, min=0.1, max=1000.0, step=0.5, unit="mm",
+        doc="height of the picture in the camera; with the view's angle it makes the focal length",
     )  # fmt: skip
     focus_taps: int = param(64, min=8, max=256, doc="places that each blurred pixel looks at")
     anisotropy: float = param(8.0, min=1.0, max=16.0, step=1.0, doc="texture sharpness at a grazing angle; 1 = off")

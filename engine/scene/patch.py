@@ -175,7 +175,7 @@ def side_from_plain(data: Mapping[str, Any], scene: Scene) -> Side:
     return Side(
         tables,
         {int(row): str(name) for row, name in data["names"]},
-        {int(row): None if node is None else _node(node) for row, node in data["sources"]},
+        {int(row): None if node is None else node_from_plain(node) for row, node in data["sources"]},
         skins,
         None if rows_of is None else np.array(rows_of, np.int64),
         int(data["active_camera"]),
@@ -183,7 +183,8 @@ def side_from_plain(data: Mapping[str, Any], scene: Scene) -> Side:
     )
 
 
-def _node(data: Mapping[str, Any]) -> NodeAsset:
+def node_from_plain(data: Mapping[str, Any]) -> NodeAsset:
+    """The node that `dataclasses.asdict` made `data` of, and JSON passed on."""
     values = dict(data)
     for key, kind in (("mesh", MeshRef), ("camera", CameraAsset), ("light", LightAsset)):
         if values[key] is not None:

@@ -13,7 +13,14 @@ from typing import TYPE_CHECKING, Any
 from engine.core.errors import UsageError
 from importers.cli.object_settings import PREFIX, set_objects
 from importers.cli.render_camera import add_camera_arguments, free_camera
-from importers.cli.render_quality import add_quality_arguments, auto_quality, check_quality, with_quality
+from importers.cli.render_quality import (
+    add_quality_arguments,
+    auto_quality,
+    check_quality,
+    print_idle,
+    with_quality,
+    with_samples,
+)
 from importers.cli.render_sequence import (
     add_sequence_arguments,
     check_arguments,
@@ -98,6 +105,7 @@ def run(args: argparse.Namespace) -> int:
         write = partial(_write, legend=not args.no_legend)
         view = View(scene_camera(runtime, args, width / height), width, height, settings)
         view.settings = settings = auto_quality(args, runtime, view, named)
+        print_idle(settings)
         if plan is None:
             frame = write(runtime, view, args.out)
         else:
@@ -161,7 +169,7 @@ def named_settings(args: argparse.Namespace) -> dict[str, Any]:
         values["force_all"] = True
     if args.check_numbers:
         values["check_numbers"] = True
-    return values
+    return with_samples(values)
 
 
 def scene_camera(runtime: Runtime, args: argparse.Namespace, aspect: float) -> Camera:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 import sys
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from engine.core.errors import UsageError
 
@@ -44,6 +44,23 @@ def with_quality(args: argparse.Namespace, settings: RenderSettings, named: dict
     if args.quality is None or args.quality == "auto":
         return settings
     return type(settings)(**{**settings.values(), **PRESETS[args.quality], **named})
+
+
+def with_samples(named: dict[str, Any]) -> dict[str, Any]:
+    """What the arguments name, and one sample a pixel where that needs it and none says how many. Raises UsageError."""
+    from engine.render.one_sample import along
+    from engine.render.settings import RenderSettings
+
+    settings = RenderSettings(**named).values()
+    return {**named, **along({name: settings[name] for name in named}, int(RenderSettings().samples))}
+
+
+def print_idle(settings: RenderSettings) -> None:
+    """Say on stderr which settings do nothing beside others."""
+    from engine.render.one_sample import idle
+
+    for name, why in idle(settings.values()).items():
+        print(f"{name} does nothing: it {why}", file=sys.stderr)
 
 
 def auto_quality(args: argparse.Namespace, runtime: Runtime, view: View, named: dict[str, object]) -> RenderSettings:

@@ -1,6 +1,7 @@
 """`mv`: give a file or folder of a project another name or place, and let every reference to it follow.
 
-All or nothing: what is to be rewritten is worked out first and checked; a failure on the way puts everything back.
+All or nothing: what is to be rewritten is worked out first and checked; a failure on the way puts everything back, and
+so does the next one to open or move something there when the process was killed (move_log.py).
 The sidecar of a source goes with it. Sources (glTF, OBJ) are never rewritten: where one would lose a file that it
 names, the move is refused.
 """
@@ -10,13 +11,14 @@ from __future__ import annotations
 import json
 import os
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from engine.core.atomic import write_bytes
 from engine.core.errors import InputError, OutputError, UsageError
+from importers.project import move_log
 from importers.project.references import Reference, all_references, files_of, project_root
 
 #: names that Windows keeps for devices
@@ -69,6 +71,7 @@ class Move:
         written: list[tuple[Path, bytes]] = []
         made: list[Path] = []
         try:
+            move_log.begin(self.root, files, contents, _missing_folders(new.parent for new in files.values()))
             for old, new in files.items():
                 if new.exists() and not _same_file(old, new):
                     raise OutputError("there is a file of this name already", where=new, hint="choose another name")
@@ -86,12 +89,14 @@ class Move:
                 new.rename(old)
             for folder in reversed(made):
                 folder.rmdir()
+            move_log.end(self.root)
             if isinstance(error, OutputError):
                 raise
             raise OutputError(
                 f"cannot move: {error.strerror or error}", where=error.filename or self.new,
                 hint="nothing was changed",
             ) from error  # fmt: skip
+        move_log.end(self.root)
         _remove_empty(self.old if files is self.files else self.new)
 
 
@@ -112,6 +117,7 @@ def plan(old: Path, new: Path, *, root: Path | None = None) -> Move:
     old = Path(os.path.normpath(old.absolute()))
     new = Path(os.path.normpath(new.absolute()))
     root = Path(os.path.normpath((root or project_root(old)).absolute()))
+    move_log.recover(root)
     if not old.exists():
         raise InputError("there is no such file or folder", where=old)
     if new.is_dir() and not _same_file(old, new):
@@ -277,6 +283,12 @@ def _same_file(one: Path, other: Path) -> bool:
         return one.samefile(other)
     except OSError:
         return False
+
+
+def _missing_folders(folders: Iterable[Path]) -> list[Path]:
+    """Those that are not there, with what they lie in, outer ones first."""
+    missing = {place for folder in folders for place in (folder, *folder.parents) if not place.exists()}
+    return sorted(missing, key=lambda place: len(place.parts))
 
 
 def _make_folders(folder: Path) -> list[Path]:

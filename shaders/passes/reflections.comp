@@ -88,11 +88,10 @@ vec4 mirrored(ivec2 own, vec3 p, vec3 n, vec3 v, float roughness)
     float shift = (float(pattern(own)) + 0.5) / 16.0;
     float step_k = max(last / float(STEPS), 1.0 / length_px);
     float k0 = 1.5 / length_px;
-    for (int i = 0; i < STEPS; ++i) {
-        float k1 = (float(i) + shift) * step_k + k0;
-        if (i == 0) k1 = k0 + shift * step_k;
-        if (k1 > last) break;
-        float from = max(k1 - step_k, k0);
+    float k1 = k0;
+    for (int i = 0; i <= STEPS && k1 < last; ++i) {
+        float from = k1;
+        k1 = min((float(i) + shift) * step_k + k0, last);  // the last one is at the border
         for (int layer = 0; layer < LAYERS; ++layer) {
             ivec2 texel;
             float k;

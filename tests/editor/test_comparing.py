@@ -196,6 +196,35 @@ def test_a_failing_render_ends_the_comparison(session: Session) -> None:
     assert "cannot be shown" in session.ui.notice
 
 
+def test_every_tab_has_its_own_a(session: Session) -> None:
+    OPS.run("compare.take", session)
+    OPS.run("compare.wipe", session)
+    frame(session)
+    first, a = session.document, session.comparing.moment(session)
+    session.open(Path("/nowhere/other.glb"))
+    for _ in range(400):
+        session.poll()
+        if session.document is not None and session.document is not first:
+            break
+        session.job.join(0.01) if session.job is not None and hasattr(session.job, "join") else None
+    assert session.document is not first
+    assert session.comparing.moment(session) is None
+    assert session.comparing.showing(session) == OFF
+    OPS.run("compare.take", session)
+    other = session.comparing.a
+    OPS.run("document.next", session)
+    assert session.document is first
+    assert session.comparing.moment(session) is a
+    assert session.comparing.showing(session) == WIPE
+    frame(session)
+    OPS.run("document.next", session)
+    assert session.comparing.moment(session) is other
+    assert session.comparing.showing(session) == OFF
+    session.close()
+    session.close()
+    assert not session.comparing._behind, "nothing keeps a closed document"
+
+
 def test_a_goes_with_its_document(session: Session) -> None:
     OPS.run("compare.wipe", session)
     assert session.comparing.showing(session) == WIPE

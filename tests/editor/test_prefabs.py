@@ -12,13 +12,14 @@ from real_session import opened, real_session
 from small_scene import write_small_scene
 from small_source import write_small_source
 
-from editor import journal, prefabs, recovering
+from editor import journal, prefab_updates, prefabs, recovering, saving
 from editor.builtin_operations import builtin_operations
+from editor.commands import structure
 from editor.session import Session
 from engine.app.runtime import Runtime
 from engine.assets.prefab import FIELDS, file_of, has_instances, load_prefab, refresh
 from engine.assets.scene import MeshRef, NodeAsset, SceneAsset
-from engine.assets.scene_json import read_scene, write_scene
+from engine.assets.scene_json import format_scene, read_scene, write_scene
 from engine.core.errors import InputError
 from engine.core.findings import Findings
 from engine.gpu import open_device
@@ -244,3 +245,93 @@ def test_every_field_has_one_owner() -> None:
     owned = [name for names_ in FIELDS.values() for name in names_]
     assert len(owned) == len(set(owned))
     assert not file_of(NodeAsset("plain"))
+
+
+def crashed(session: Session, recovery: Path) -> Any:
+    """The document as a new session restores it; the old one writes nothing any more, as if it had been killed."""
+    expected = _all_of(session.document)
+    recovering.leave(session)
+    again = real_session()
+    (left,) = journal.pending(recovery)
+    assert recovering.recover(again, left), again.ui.error_bar
+    assert _all_of(again.document) == expected
+    return again
+
+
+def _all_of(document: Any) -> tuple[str, bool]:
+    return format_scene(saving.current_scene(document)), document.dirty
+
+
+def test_edits_after_an_undone_prefab_update_survive_a_crash(session: Session, project: Path, tmp_path: Path) -> None:
+    made(session, project)
+    document = session.document
+    assert document is not None
+    session.edit("nodes", "translation", (row(document, "cube"),), ((1.0, 2.0, 3.0),))
+    document.select(row(document, "stage"))
+    operations = builtin_operations()
+    assert operations.run("prefab.apply", session)
+    session.edit("nodes", "translation", (row(document, "cube"),), ((4.0, 2.0, 3.0),))
+    session.undo()
+    session.undo()
+    structure.delete(document, (row(document, "lamp"),))
+    structure.duplicate(document, (row(document, "cube"),))
+    session.edit("nodes", "name", (document.primary,), ("late",))
+    session.undo()
+    session.redo()
+    again = crashed(session, tmp_path / "recovery")
+    for _ in range(10):
+        again.undo()
+        session.undo()
+        if again.document.history.entries:
+            assert _all_of(again.document) == _all_of(document)
+    assert not again.document.history.entries
+    again.close_all()
+
+
+def test_a_prefab_that_was_saved_since_comes_in_after_the_edits_are_restored(
+    session: Session, project: Path, tmp_path: Path
+) -> None:
+    target = made(session, project)
+    document = session.document
+    assert document is not None
+    assert session.save()
+    assert prefabs.place(session, target, np.eye(4))
+    cube = row(document, "cube", 1)
+    session.edit("nodes", "translation", (cube,), ((0.0, 7.0, 0.0),))
+    session.edit("nodes", "visible", (row(document, "cube", 0),), (False,))
+    prefab = read_scene(target)
+    prefab.nodes.insert(0, NodeAsset("first", -1))
+    for node in prefab.nodes[1:]:
+        node.parent += 1 if node.parent >= 0 else 0
+        node.joints = [j + 1 for j in node.joints]
+    write_scene(target, prefab)
+    again = crashed(session, tmp_path / "recovery")
+    found = again.document
+    prefab_updates.poll(again)
+    assert names(found).count("first") == 2, "what the prefab says now came in"
+    nodes = found.runtime.scene.nodes
+    places = [
+        nodes.translation[r].tolist() for r in range(len(nodes.name)) if nodes.alive[r] and nodes.name[r] == "cube"
+    ]
+    assert [0.0, 7.0, 0.0] in places
+    hidden = [r for r in range(len(nodes.name)) if nodes.alive[r] and nodes.name[r] == "cube" and not nodes.visible[r]]
+    assert len(hidden) == 1
+    again.close_all()
+
+
+def test_a_session_that_dies_again_restores_what_the_first_one_did(
+    session: Session, project: Path, tmp_path: Path
+) -> None:
+    made(session, project)
+    document = session.document
+    assert document is not None
+    session.edit("nodes", "translation", (row(document, "cube"),), ((1.0, 2.0, 3.0),))
+    document.select(row(document, "stage"))
+    assert builtin_operations().run("prefab.apply", session)
+    assert document.dirty
+    again = crashed(session, tmp_path / "recovery")
+    again.recovery_folder = tmp_path / "second"
+    recovering.start(again, again.document)
+    again.document.history.mark_unsaved()
+    crashed(again, tmp_path / "second").close_all()
+    again.close_all()

@@ -158,7 +158,7 @@ def test_fixes_are_remembered_undone_and_the_same_on_the_command_line(session: S
 
     assert size() == [1.0, 1.0, 2.0]
     assert session.ui.import_card, "what came in is shown"
-    assert import_settings.facts(document)["Looks like"] == "a person"
+    assert import_settings.facts(document)["As large as"] == "a door"
     ops = builtin_operations()
     for id in ("import.z-up", "import.scale-up"):
         assert ops.run(id, session)

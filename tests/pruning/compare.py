@@ -34,7 +34,8 @@ def take(stage: Stage, spec: SceneSpec, folder: Path, *, force_all: bool = False
 def shoot(stage: Stage, spec: SceneSpec, camera: Any, *, force_all: bool) -> Pictures:
     settings = {
         "samples": spec.samples, "view": spec.view, "shadows": spec.shadows, "shadow_filter": spec.shadow_filter,
-        "ambient_occlusion": spec.ambient_occlusion, "ao_radius": 0.5, "gi": spec.gi, "gi_steps": 6, "reflections": spec.reflections,
+        "ambient_occlusion": spec.ambient_occlusion, "ao_radius": 0.5, "gi": spec.gi, "gi_steps": 6,
+        "reflections": spec.reflections,
         "bloom": spec.bloom, "auto_exposure": spec.auto_exposure, "antialias": spec.antialias,
         "depth_of_field": spec.depth_of_field, "focus": 0.5, "sensor": 200.0,
         "taa_frames": 2, "shadow_floor": spec.shadow_floor,

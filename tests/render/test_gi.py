@@ -99,6 +99,12 @@ def test_a_closed_box_comes_to_its_limit(stage, surface) -> None:
     assert one.mean() == pytest.approx(0.375, rel=0.02)
 
 
+def test_the_report_knows_its_answers(gl_device) -> None:
+    found = list(answers(gl_device))
+    assert len(found) == 10
+    assert not [(a.what, a.truth, a.ours) for a in found if not a.ok]
+
+
 def test_bounces_never_grow_without_end(stage, surface) -> None:
     camera = closed_box(stage, surface, 0.1, 1.0)
     for boost in (1.0, 4.0):

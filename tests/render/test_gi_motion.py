@@ -91,6 +91,36 @@ def test_a_still_picture_knows_no_frame_before(stage, surface) -> None:
     assert np.array_equal(stage.hdr((32, 32), camera, gi="many"), fresh)
 
 
+def test_a_moving_box_leaves_no_trail(stage, surface) -> None:
+    """A box that shines goes over the floor at 4 pixels a frame: what is known of it goes with it, its light on the
+    floor is gone with it, and when it stops the picture soon is what a still one is."""
+    stage.dark()
+    stage.add(card(6.0), surface(**MATT, base_color=(0.7, 0.7, 0.7, 1.0)), rotation=FLAT)
+    glow = {**MATT, "base_color": (0.5, 0.5, 0.5, 1.0), "emissive": (0.6, 0.4, 0.2)}
+    node = stage.add(cube(1.0), surface(**glow), (-1.2, 0.5, 0.0))
+    camera = Camera(look_at((0.0, 2.2, 4.2), (0.0, 0.3, 0.0)), 0.8)
+    view = stage.view((64, 48), camera, gi="one", gi_half=False)
+    view.seconds = 1.0 / 60.0
+    for i in range(8):
+        stage.runtime.scene.nodes.set_translation([node], [(-1.2 + 0.3 * i, 0.5, 0.0)])
+        stage.runtime.update()
+        frame = stage.runtime.render(view, hdr=True)
+    moving = np.asarray(frame.hdr.read(), np.float64)[..., :3]
+    state = np.asarray(frame.graph.texture("indirect_state").read(), np.float64)
+    still = stage.hdr((64, 48), camera, gi="one", gi_half=False)[..., :3].astype(np.float64)
+    box = still[..., 0] > 0.55
+    inner = box[1:-1, 1:-1] & box[:-2, 1:-1] & box[2:, 1:-1] & box[1:-1, :-2] & box[1:-1, 2:]
+    assert box.sum() > 150
+    # all of the box is known for as long as it has gone, its leading edge too
+    assert (state[1:-1, 1:-1, 1][inner] > 6.0).mean() > 0.9
+    assert np.abs(moving - still)[~box].mean() < 0.005
+    assert np.abs(moving - still)[~box].max() < 0.12
+    for _ in range(8):
+        rested = render_hdr(stage.runtime, view)[0][..., :3].astype(np.float64)
+    assert np.abs(rested - still).mean() < 0.004
+    assert np.abs(rested - still).max() < 0.06
+
+
 def mirror(stage, surface) -> Camera:
     """A glowing wall, 1 high, behind a mirror floor."""
     stage.dark()

@@ -94,8 +94,10 @@ def test_what_is_nearer_to_the_sun_keeps_its_light_and_so_does_the_pane_itself(s
     assert changed.any()
     # what shines through the pane is the ground; only the half of the pane that has it in its own shade may change
     clear = pane_seen & (x < -0.6)
-    assert clear.sum() > 50 and not changed[clear].any()
-    assert shelf_seen.sum() > 100 and not changed[shelf_seen].any()
+    assert clear.sum() > 50
+    assert not changed[clear].any()
+    assert shelf_seen.sum() > 100
+    assert not changed[shelf_seen].any()
 
 
 def test_off_or_without_a_blended_caster_every_bit_is_as_before(stage) -> None:
@@ -163,3 +165,18 @@ def test_light_between_surfaces_is_tinted_as_well(stage) -> None:
     assert bounced[..., 0].max() > 0.01
     plain = stage.hdr(SIZE, camera, **{**ON, "translucent_shadows": False}, view="indirect", gi="one", gi_steps=8)
     assert bounced[..., 1].sum() < 0.5 * plain[..., 1].sum()
+
+
+@pytest.mark.parametrize(("scale", "away"), [(1e-4, 0.0), (1e4, 0.0), (1.0, 1e6)], ids=str)
+def test_size_and_place_of_the_world_do_not_matter(stage, scale: float, away: float) -> None:
+    sunny(stage)
+    pane(stage)
+    scene, eye = stage.runtime.scene, np.array([away, 50.0 * scale, away])
+    scene.nodes.set_translation(
+        np.array([0, 1]), np.array([[0.0, 0.0, 0.0], [-1.0, 1.0, 0.0]]) * scale + (away, 0, away)
+    )
+    scene.nodes.set_scale(np.array([0, 1]), np.full((2, 3), scale))
+    stage.runtime.update()
+    pose = look_at(eye, eye - (0.0, eye[1], 0.0), (0.0, 0.0, -1.0))
+    picture = stage.hdr(SIZE, Camera(pose, znear=0.5 * scale, zfar=100.0 * scale, ymag=2.0 * scale), **ON)[..., :3]
+    assert picture[SHADOW_AT] / picture[LIT_AT] == pytest.approx(LEFT, rel=1e-3)

@@ -106,7 +106,7 @@ def _furnace(scene: MadeScene) -> Iterator[Answer]:
 
 
 def _closed_boxes(scene: MadeScene) -> Iterator[Answer]:
-    """e / (1 - rho), or what of it so many bounces give: what is not in the picture is as what is."""
+    """e (1 - rho^(n + 1)) / (1 - rho) after n bounces: what is not in the picture is as what is."""
     camera = Camera(look_at((0.0, 0.0, 0.95), (0.0, 0.0, 0.0)), 1.6)
     for glow, albedo in ((0.25, 0.5), (0.1, 0.8)):
         _around(scene, None)
@@ -116,9 +116,9 @@ def _closed_boxes(scene: MadeScene) -> Iterator[Answer]:
         for bounces in (1, 16):
             how: dict[str, Any] = {"gi": "one"} if bounces == 1 else {"gi": "many", "gi_bounces": bounces}
             found = float(_light(scene, camera, 64, gi_unseen="seen", gi_radius=10.0, **how).mean())
-            limit = glow * (1.0 + albedo) if bounces == 1 else glow / (1.0 - albedo)
-            what = "one bounce, e (1 + rho)" if bounces == 1 else "e / (1 - rho)"
-            yield Answer(f"closed box, rho {albedo}: {what}", limit, found, 0.03 * limit)
+            truth = glow * (1.0 - albedo ** (bounces + 1)) / (1.0 - albedo)
+            what = "one bounce, e (1 + rho)" if bounces == 1 else f"{bounces} bounces, e / (1 - rho)"
+            yield Answer(f"closed box, rho {albedo}: {what}", truth, found, 0.04 * truth)
         scene.scene.nodes.set_visible([node], False)
         scene.scene.update()
 

@@ -28,14 +28,15 @@ SIZE = (96, 72)
 HEIGHT = 2.0
 PIXEL = HEIGHT / SIZE[1]
 LIGHT = 0.7
-FRAMES = 24
+#: pictures in a row; the second half of them is judged
+FRAMES = 32
 #: of the line, in pixels; radians that it is turned by
 WIDTH, LEANS = 0.5, 0.1
 
 
 @dataclass(frozen=True, slots=True)
 class Line:
-    """`light`: shown, of what it has; `flicker`: its standard deviation from frame to frame, of its mean; `gaps`: the
+    """`light`: shown, of what it has; `flicker`: its standard deviation from frame to frame, of the same; `gaps`: the
     part of its columns that show less than a quarter of its light."""
 
     light: float
@@ -55,12 +56,12 @@ def left_behind(device: Device, settings: dict[str, Any], step: float = 3.0) -> 
 
 
 def thin_line(device: Device, settings: dict[str, Any], step: float = 1.0 / 3.0) -> Line:
-    """A line across the picture that sinks by `step` pixels a frame."""
+    """A line across the picture that sinks by `step` pixels a frame, or rests (0)."""
     places = [(0.0, -step * PIXEL * (i - FRAMES / 2), 0.0) for i in range(FRAMES)]
     pictures = list(_shown(device, places, (4.0 * HEIGHT, WIDTH * PIXEL, 1.0), LEANS, settings))
     columns = np.stack([p.sum(axis=0) for p in pictures[FRAMES // 2 :]]) / (LIGHT * WIDTH / np.cos(LEANS))
     light = columns.mean(axis=1)
-    return Line(float(light.mean()), float(light.std() / light.mean()), float((columns < 0.25).mean()))
+    return Line(float(light.mean()), float(light.std()), float((columns < 0.25).mean()))
 
 
 def _shown(
@@ -80,9 +81,12 @@ def _shown(
         node = made.add(card(1.0), material, places[0], turn, size)
         camera = Camera(look_at((0.0, 0.0, 4.0), (0.0, 0.0, 0.0)), 2.0 * float(np.arctan(HEIGHT / 8.0)))
         view = View(camera, *SIZE, RenderSettings(**settings), seconds=1.0 / 60.0)
+        at = places[0]
         for place in places:
-            made.scene.nodes.set_translation([node], [place])
-            made.scene.update()
+            if place != at:  # what is set has changed
+                made.scene.nodes.set_translation([node], [place])
+                made.scene.update()
+                at = place
             pixels = np.asarray(made.render(view).color.read(), np.float64)
             yield srgb_to_linear(pixels[..., 0] / 255.0)
     finally:

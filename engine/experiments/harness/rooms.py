@@ -7,7 +7,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from engine.assets.material import MaterialAsset
-from engine.assets.primitives import card, cube
+from engine.assets.primitives import card, cube, uv_sphere
 from engine.assets.samples import SAMPLES
 from engine.assets.scene import EnvironmentAsset, LightAsset
 from engine.math import quat
@@ -45,6 +45,16 @@ def box(scene: MadeScene) -> None:
     scene.add(cube(1.0), matt(WHITE), (0.35, -0.7, 0.3), quat.from_axis_angle(Y, -0.3), (0.55, 0.6, 0.55))
     scene.lamp(LightAsset("point", (1.0, 0.9, 0.7), 3.0), (0.0, 0.75, 0.0))
     scene.view_from = Camera(look_at((0.0, 0.0, 3.6), (0.0, 0.0, 0.0)), 0.62)
+
+
+def mirrors(scene: MadeScene) -> None:
+    """The box with a mirror for a floor and a ball of polished metal between its blocks."""
+    box(scene)
+    floor = MaterialAsset("mirror", params={"base_color": (0.8, 0.8, 0.85, 1.0), "metallic": 1.0, "roughness": 0.1})
+    scene.add(card(2.0), floor, (0.0, -0.995, 0.0), quat.from_axis_angle(X, -math.pi / 2.0))
+    metal = MaterialAsset("metal", params={"base_color": (0.95, 0.8, 0.5, 1.0), "metallic": 1.0, "roughness": 0.15})
+    scene.add(uv_sphere(0.3, 32, 64), metal, (-0.3, -0.69, 0.5))
+    scene.view_from = Camera(look_at((0.0, 0.3, 3.6), (0.0, 0.0, 0.0)), 0.82)  # what is mirrored is in the picture
 
 
 def atrium(scene: MadeScene) -> None:

@@ -210,7 +210,7 @@ def nothing(scene: MadeScene) -> None:
 SAMPLES: dict[str, Callable[[MadeScene], None]] = {
     "nothing": nothing, "flat": flat, "ball": ball, "textured": textured, "glass": glass, "leaves": leaves,
     "blocks": blocks, "room": room, "court": court, "nave": nave, "panel": panel, "crowd": crowd, "metals": metals,
-    "box": rooms.box, "atrium": rooms.atrium,
+    "box": rooms.box, "atrium": rooms.atrium, "mirrors": rooms.mirrors,
 }  # fmt: skip
 
 

@@ -25,6 +25,7 @@ BLOCK = layout(
         Field("keep", "float"),  # part of what was known that stays
         Field("confidence", "float"),  # 1: the picture is that of what is known
         Field("pad", "float"),
+        Field("jitter", "vec2"),  # pixels of the view that the picture is shifted by
     ],
     rule="std140",
 )
@@ -52,6 +53,7 @@ def fill(frame: RenderFrame) -> NDArray[np.void]:
     row["strength"] = settings.gi_strength if frame.facts.indirect.wanted else 0.0
     row["boost"] = settings.gi_boost
     row["keep"] = KEEP if look["known"] else 0.0
+    row["jitter"] = frame.motion.jitter
     row["confidence"] = float(frame.facts.debug_view == "indirect_confidence")
     return row
 

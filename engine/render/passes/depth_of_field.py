@@ -18,6 +18,7 @@ from engine.gpu.types import Bindings
 from engine.render.facts import SceneFacts
 from engine.render.focus import WIDEST, lens_width, pixels_per_slope
 from engine.render.frame import DEPTH_UNIT, INPUT_UNIT, PASS_BINDING, VIEW_BINDING, RenderFrame
+from engine.render.one_sample import reason
 
 #: rgba16f at half size: light and the disc's radius; the widest disc around; behind (a: there is some), before (a: how
 #: much it covers). SHARP: the picture as it was.
@@ -41,7 +42,7 @@ class DepthOfFieldPass(Pass):
     def needs(self, facts: SceneFacts) -> bool | str:
         if facts.depth_of_field:
             return True
-        return "it is off, or a pixel has several samples, or the view shows values or has no perspective"
+        return reason(facts.samples, "it is off, or the view shows values or has no perspective")
 
     def declare(self, b: Builder) -> None:
         b.read("hdr")

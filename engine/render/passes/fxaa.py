@@ -12,6 +12,7 @@ from engine.gpu.glsl_layout import Field, layout
 from engine.gpu.types import ColorAttachment
 from engine.render.facts import SceneFacts
 from engine.render.frame import INPUT_UNIT, PASS_BINDING, RenderFrame
+from engine.render.one_sample import reason
 
 #: pixels that an edge is followed to each side
 STEPS = 16
@@ -26,7 +27,7 @@ class FxaaPass(Pass):
     reach: ClassVar[int | None] = STEPS + 1
 
     def needs(self, facts: SceneFacts) -> bool | str:
-        return True if facts.fxaa else "antialias is none, or a pixel has several samples, or the view shows values"
+        return True if facts.fxaa else reason(facts.samples, "antialias is not fxaa, or the view shows values")
 
     def declare(self, b: Builder) -> None:
         b.read("color")

@@ -11,6 +11,7 @@ from engine.render.facts import SceneFacts
 from engine.render.frame import DEPTH_UNIT, INDIRECT_UNIT, INPUT_UNIT, RenderFrame
 from engine.render.gi.block import block_of
 from engine.render.gi.gather import DEPTHS, LIGHTS, NEAR_FAR, SENT, SHAPES, SIDES, dispatch, gather
+from engine.render.passes.motion import MOTION
 
 #: rgba16f: light over pi; part of the environment's light that is left
 GATHERED, INDIRECT = "indirect_raw", "indirect"
@@ -18,6 +19,8 @@ GATHERED, INDIRECT = "indirect_raw", "indirect"
 MIXED, MIXED_STATE = "indirect_mixed", "indirect_state"
 #: between both, in the layers' size: taps on each side, texels from one to the next
 FILTERED, FILTERS = ("indirect_even", "indirect_wide"), ((2, 1), (1, 4))
+#: unit of what moved in indirect_temporal.comp
+MOTION_UNIT = 20
 #: debug view -> LAYER_VIEW of indirect_filter.comp, and the second layer's textures there
 LAYER_VIEWS, LAYER_UNITS = {"layer_color": 1, "layer_depth": 2}, {19: SHAPES, 21: LIGHTS, 22: DEPTHS}
 
@@ -41,6 +44,7 @@ class IndirectPass(Pass):
         scale = 1.0 / quality.stride
         b.create(GATHERED, "rgba16f", scale=scale)
         if quality.smooth:
+            b.read(MOTION)
             b.create(MIXED, "rgba16f", scale=scale)
             b.create(MIXED_STATE, "rg32f", scale=scale)
             b.history(MIXED)
@@ -77,6 +81,7 @@ class IndirectPass(Pass):
         mixed = ctx.texture(MIXED)
         textures = {
             INPUT_UNIT: now, 17: ctx.texture(NEAR_FAR), 18: ctx.history(MIXED), 19: ctx.history(MIXED_STATE),
+            MOTION_UNIT: ctx.texture(MOTION),
         }  # fmt: skip
         inputs = {unit: (texture, frame.point_sampler) for unit, texture in textures.items()}
         out = {1: (mixed, 0, "write"), 2: (ctx.texture(MIXED_STATE), 0, "write")}

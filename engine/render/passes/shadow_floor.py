@@ -1,4 +1,4 @@
-"""The shadows that the scene throws on a level floor below it: darker is what is behind; the floor itself is not seen."""
+"""The shadows that the scene throws on a level floor below it: they darken what is behind; it is not seen itself."""
 
 from __future__ import annotations
 

@@ -16,6 +16,7 @@ from engine.gpu.glsl_layout import Field, layout
 from engine.gpu.types import ColorAttachment, Texture
 from engine.render.facts import SceneFacts
 from engine.render.frame import INPUT_UNIT, PASS_BINDING, RenderFrame
+from engine.render.one_sample import reason
 
 #: pixels that a line is followed to each side
 STEPS = 16
@@ -31,7 +32,7 @@ class SmaaPass(Pass):
     reach: ClassVar[int | None] = STEPS + 3
 
     def needs(self, facts: SceneFacts) -> bool | str:
-        return True if facts.smaa else "antialias is not smaa, or a pixel has several samples, or the view shows values"
+        return True if facts.smaa else reason(facts.samples, "antialias is not smaa, or the view shows values")
 
     def declare(self, b: Builder) -> None:
         b.read("color")

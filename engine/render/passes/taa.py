@@ -15,6 +15,7 @@ from engine.gpu.glsl_layout import Field, layout
 from engine.gpu.types import Bindings
 from engine.render.facts import SceneFacts
 from engine.render.frame import DEPTH_UNIT, INPUT_UNIT, PASS_BINDING, VIEW_BINDING, RenderFrame
+from engine.render.one_sample import reason
 from engine.render.passes.motion import MOTION
 from engine.render.passes.tone_map import exposure_scale
 
@@ -44,7 +45,7 @@ class TaaPass(Pass):
     reach: ClassVar[int | None] = 3
 
     def needs(self, facts: SceneFacts) -> bool | str:
-        return True if facts.taa else "antialias is not taa, or a pixel has several samples, or the view shows values"
+        return True if facts.taa else reason(facts.samples, "antialias is not taa, or the view shows values")
 
     def declare(self, b: Builder) -> None:
         b.read("hdr")

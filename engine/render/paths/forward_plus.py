@@ -31,6 +31,6 @@ def forward_plus_passes() -> list[Pass]:
         ShadowCascadesPass(), ShadowMomentsPass(), ShadowTintsPass(), LocalShadowsPass(), DepthPrepass(), MotionPass(),
         AmbientOcclusionPass(),
         DeepGbufferPass(), RadiosityPass(), BouncesPass(), IndirectPass(), ReflectionsPass(),
-        LightCullingPass(), OpaquePass(), SkyPass(), ShadowFloorPass(), LateMotionPass(), SceneColorPass(), TransparentPass(),
-        LightHeatPass(), ShadowMapsPass(), *lens_passes(),
+        LightCullingPass(), OpaquePass(), SkyPass(), ShadowFloorPass(), LateMotionPass(), SceneColorPass(),
+        TransparentPass(), LightHeatPass(), ShadowMapsPass(), *lens_passes(),
     ]  # fmt: skip

@@ -28,9 +28,9 @@ radius) throws shadows as soft as geometry makes them.
 Solid lit surfaces cast, blended and unlit ones do not; all lit surfaces, blended ones too, show shadows.
 
 With `translucent_shadows` blended lit surfaces are filters for the sun: each leaves mix(white, its base colour, its
-alpha) of the light that meets it, a transmissive one its base colour times its transmission (McGuire, Mara 2017); filters in a
-row are a product. As often as a camera in the sun would see the surface blended: a closed body once, with both faces
-twice. A white pane leaves all light, whatever its alpha. Only the depth of the pane nearest to the sun is known: what
-is between two of them has the tint of both. pcss and the blurred maps look tints up in a disc of the filter's radius.
-Lamps are not tinted.
+alpha) of the light that meets it, a transmissive one its base colour times its transmission (McGuire, Mara 2017);
+filters in a row are a product. As often as a camera in the sun would see the surface blended: a closed body once, with
+both faces twice. A white pane leaves all light, whatever its alpha. Only the depth of the pane nearest to the sun is
+known: what is between two of them has the tint of both. pcss and the blurred maps look tints up in a disc of the
+filter's radius. Lamps are not tinted.
 """

@@ -8,8 +8,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.render.shadows.fit import Boxes
 from engine.render.settings import LIT_LOOK, RenderSettings
+from engine.render.shadows.fit import Boxes
 from engine.resources.residency import Residency
 from engine.scene.scene import Scene
 
