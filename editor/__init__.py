@@ -28,7 +28,7 @@
       |     |-- reimporting.py     sources that changed, by importers.reimport; import_settings.py: one-click fixes
       |     |-- file_moves.py      files of the project moved by importers.project; asset_links.py: who uses which
       |     '-- prefabs.py         made, placed, reverted, applied, followed when their files change
-      |-- tools, gizmo, selecting      move/turn/scale arithmetic, box selection, isolating, measuring
+      |-- tools, gizmo, selecting, focusing      move/turn/scale arithmetic, box selection, isolating, measuring, focus
       |-- code/           shader files as text: documents, problems, search, completion
       |-- material_editing, param_groups    materials, one or many: shared parameters, copies, resets, textures
       |-- comparing/      any earlier state, or another render path, beside the present one: pictures and numbers

@@ -50,8 +50,12 @@ def add_material_operations(ops: Operations) -> None:
 
     add("material.preview", "Material preview", show_preview, "A material on a shape or a mesh of your own",
         needs=False, separator=True)  # fmt: skip
-    add("material.only_object", "Edit materials on this object only", only_object,
-        "Parameters that are set from now on are those of the selected objects alone")
+    add(
+        "material.only_object",
+        "Edit materials on this object only",
+        only_object,
+        "Parameters that are set from now on are those of the selected objects alone",
+    )
     add("material.clear_object", "Let the object look as its material says", object_editing.clear,
         "Take away what the selected objects say themselves")  # fmt: skip
     add("material.copy", "Copy the selected material", copy, "As text of a material file")

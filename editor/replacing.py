@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from editor.bookmark_table import BOOKMARKS, COLUMN, BookmarkTable, of_asset, to_plain
 from editor.commands.command import VIEW_TABLE, Edit
 from editor.commands.replacement import LIMIT, Replacement, Standing, standing
 from editor.tables import SettingsTable, tables_of
@@ -58,6 +59,7 @@ def replace_scene(
         }  # fmt: skip
         values["prefabs"] = prefabs_of(runtime, scene)
         _carry(values, runtime, materials or {})
+        _carry_bookmarks(values, document.bookmarks)
         values["selection"] = _same_names(document, runtime, document.selection)
         values["locked"] = set(_same_names(document, runtime, sorted(document.locked)))
         edit = Replacement(standing(document), Standing(values), label, of_view, steps)
@@ -90,6 +92,17 @@ def _carry(values: dict[str, Any], runtime: Any, materials: Mapping[Path, Mappin
             for column, value in columns.items():
                 values["tables"]["materials"].write(column, (row,), (value,))
                 values["overrides"]["materials", column, row] = value
+
+
+def _carry_bookmarks(values: dict[str, Any], bookmarks: Mapping[int, Any]) -> None:
+    """Those of the new scene, and of the old one those that it lacks."""
+    cameras = of_asset(values["runtime"].asset)
+    for number, camera in bookmarks.items():
+        if number not in cameras:
+            cameras[number] = camera
+            values["overrides"][BOOKMARKS, COLUMN, number] = to_plain(camera)
+    values["bookmarks"] = cameras
+    values["tables"][BOOKMARKS] = BookmarkTable(cameras)
 
 
 def prefabs_of(runtime: Any, scene: Path) -> dict[Path, list[Any]]:

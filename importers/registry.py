@@ -117,7 +117,9 @@ def all_importers() -> tuple[Importer, ...]:
 
 def source_extensions(*, in_folders: bool = False) -> tuple[str, ...]:
     """All extensions that some importer reads, lower case; `in_folders`: those that folders are searched for."""
-    return tuple(e for importer in all_importers() if importer.in_folders or not in_folders for e in importer.extensions)
+    return tuple(
+        e for importer in all_importers() if importer.in_folders or not in_folders for e in importer.extensions
+    )
 
 
 def find_importer(path: Path) -> Importer:

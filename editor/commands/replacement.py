@@ -21,7 +21,7 @@ LIMIT = 3
 #: of a document, what belongs to the scene under it
 FIELDS = (
     "source", "scene_path", "base_path", "findings", "runtime", "tables", "selection", "overrides", "locked",
-    "isolated", "saved_to", "name", "imported_from", "news", "prefabs",
+    "isolated", "saved_to", "name", "imported_from", "news", "prefabs", "bookmarks",
 )  # fmt: skip
 
 _numbers = itertools.count(1)

@@ -68,9 +68,7 @@ class StructureCommand:
         document.selection = self.selection[1]
 
 
-def change(
-    document: Document, label: str, make: Callable[[], Sequence[int]], loads: Sequence[Path] = ()
-) -> None:
+def change(document: Document, label: str, make: Callable[[], Sequence[int]], loads: Sequence[Path] = ()) -> None:
     """Run `make`, which changes the scene and returns what to select, and record it as one entry. `loads`: the files
     of meshes and materials that it needs.
 

@@ -72,9 +72,7 @@ def prepare(ctx: Context) -> Generator[tuple[float, str], None, None]:
     yield from traced_truths(ctx, scenes(ctx), TRUTHS)
 
 
-def traced_truths(
-    ctx: Context, named: Sequence[str], kinds: Sequence[str]
-) -> Generator[tuple[float, str], None, None]:
+def traced_truths(ctx: Context, named: Sequence[str], kinds: Sequence[str]) -> Generator[tuple[float, str], None, None]:
     """Films of the scenes by truth, in `ctx.scratch[scene, kind]`; for a scene that cannot be opened, the error in
     `ctx.scratch[scene]`."""
     from engine.experiments.truth import reference

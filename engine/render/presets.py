@@ -27,7 +27,7 @@ PRESETS: dict[str, dict[str, Value]] = {
         "local_shadow_size": 1024, "ambient_occlusion": "off", "anisotropy": 2.0, "focus_taps": 24, "quality": "low",
     },
     "medium": {
-        "samples": 1, "antialias": "smaa", "shadow_filter": "pcf", "shadow_cascades": 3, "shadow_size": 2048,
+        "samples": 4, "antialias": "none", "shadow_filter": "pcf", "shadow_cascades": 3, "shadow_size": 2048,
         "local_shadow_size": 2048, "ambient_occlusion": "gtao", "ao_directions": 1, "ao_steps": 4, "ao_half": True,
         "anisotropy": 4.0, "focus_taps": 48, "quality": "medium",
     },

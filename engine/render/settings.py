@@ -80,7 +80,10 @@ class RenderSettings(ParamBlock):
     )  # fmt: skip
     taa_frames: int = param(16, min=1, max=64, doc="taa: places in a pixel that are looked at, one a frame")
     taa_part: float = param(
-        0.15, min=0.01, max=1.0, step=0.01,
+        0.15,
+        min=0.01,
+        max=1.0,
+        step=0.01,
         doc="taa: of a new frame in the mean while things move; up to 3 times that, where fast",
     )
     taa_spread: float = param(

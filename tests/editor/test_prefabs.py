@@ -269,7 +269,11 @@ def test_edits_after_an_undone_prefab_update_survive_a_crash(session: Session, p
     session.edit("nodes", "translation", (row(document, "cube"),), ((1.0, 2.0, 3.0),))
     document.select(row(document, "stage"))
     operations = builtin_operations()
+    assert operations.run("view.set-bookmark-2", session)
     assert operations.run("prefab.apply", session)
+    assert sorted(document.bookmarks) == [2], "another scene stands there, and the places of the camera stay"
+    assert operations.run("view.set-bookmark-3", session)
+    session.undo()
     session.edit("nodes", "translation", (row(document, "cube"),), ((4.0, 2.0, 3.0),))
     session.undo()
     session.undo()

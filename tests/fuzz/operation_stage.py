@@ -6,6 +6,7 @@ from __future__ import annotations
 import hashlib
 import os
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -112,12 +113,21 @@ def content(document: Document, *, exact: bool) -> str:
 def _bits(document: Document) -> Any:
     """Every stored bit of the scene's tables, but of materials that one object has to itself only what they vary."""
     values = without_view(state(document))
+    values["sources"] = {row: _plain(node) for row, node in values["sources"].items()}
     table = document.runtime.scene.instances
     base_of = document.runtime.residency.materials.base_of
     values["tables"]["instances"][1]["material"] = [
         base_of(int(m)) if alive and m >= 0 else -1 for m, alive in zip(table.material, table.alive, strict=True)
     ]
     return _ordered(values)
+
+
+def _plain(node: Any) -> Any:
+    """What an object has of its own as a file says it: a colour that was set is a tuple, one that was read a list."""
+    if node is None or node.mesh is None or not node.mesh.overrides:
+        return node
+    said = [{k: list(v) if isinstance(v, tuple) else v for k, v in slot.items()} for slot in node.mesh.overrides]
+    return replace(node, mesh=replace(node.mesh, overrides=said))
 
 
 def _ordered(value: Any) -> Any:

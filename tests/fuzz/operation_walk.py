@@ -18,6 +18,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import IO, Any
 
+from editor import prefabs
 from editor.builtin_operations import builtin_operations
 from editor.document import Document
 from editor.operations import Operations
@@ -30,12 +31,11 @@ LEFT_OUT = {
     "file.quit": "ends the window",
     "file.open-sample": "opens another document",
     "file.save-turntable": "writes pictures and no document",
-    "prefab.make": "its undo opens another scene under the document, which a replay cannot follow yet",
-    "prefab.apply": "as prefab.make",
-    "prefab.revert": "as prefab.make",
     "help.export-keymap": "writes a file and no document",
     "shader.effect": "opens files of the installation in the text editor",
 }
+
+PREFABS = ("prefab.make", "prefab.apply", "prefab.revert", "prefab.place")
 
 
 class Broken(AssertionError):
@@ -133,7 +133,7 @@ class Walk:
         session = self.session
         before = self.content()
         at, revision = self.model.at, self.document.history.revision if self.document else 0
-        kind = dice.choices(("undo", "drag", "set", "select", "operation"), (18, 8, 18, 14, 42))[0]
+        kind = dice.choices(("undo", "drag", "set", "select", "operation", "prefab"), (18, 8, 18, 14, 42, 4))[0]
         document, what = self.document, kind
         assert document is not None
         try:
@@ -150,6 +150,8 @@ class Walk:
                 self._drag(dice)
             elif kind == "set":
                 what = self._run("edit.set", dice, folder)
+            elif kind == "prefab":
+                what = self._prefab(dice, folder)
             elif kind == "select":
                 what = self._run("select.nodes", dice, folder)
             else:
@@ -185,6 +187,16 @@ class Walk:
                 given[argument.name] = folder / dice.choice(("other.scene.json", "sub/third.scene.json", "nowhere.glb"))
         self.operations.run(id, self.session, **given)
         return id
+
+    def _prefab(self, dice: random.Random, folder: Path) -> str:
+        """An operation on an instance that there is, more often than chance selects one."""
+        document = self.document
+        assert document is not None
+        nodes = document.runtime.scene.nodes
+        rows = [int(row) for row in range(len(nodes)) if nodes.alive[row] and prefabs.root_of(document, row) == row]
+        if rows and dice.random() < 0.7:
+            document.select(dice.choice(rows))
+        return self._run(dice.choice(PREFABS) if rows else "prefab.make", dice, folder)
 
     def _drag(self, dice: random.Random) -> None:
         """A gesture of some steps on one target, as a widget makes it; now and then back to where it began."""

@@ -126,6 +126,7 @@ specs = st.builds(
     bloom=st.sampled_from([0.0, 0.0, 0.3]),
     auto_exposure=st.sampled_from([False, False, True]),
     depth_of_field=st.booleans(),
+    shadow_floor=st.sampled_from([0.0, 0.0, 0.7]),
     antialias=st.sampled_from(["none", "fxaa", "smaa", "taa"]),
     path=st.sampled_from(["auto", *PATHS]),
     looks_away=st.sampled_from([False] * 7 + [True]),

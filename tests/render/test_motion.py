@@ -1,4 +1,4 @@
-"""Motion vectors: known answers for cameras, nodes, joints, morph targets, the sky; cuts; nothing where all is still."""
+"""Motion vectors: known answers for cameras, nodes, joints, morph targets and sky; cuts; nothing where all is still."""
 
 from __future__ import annotations
 

@@ -40,7 +40,7 @@ class IndirectState:
 
     def look(self, scene: Scene, view: View, facts: SceneFacts) -> dict[str, Any]:
         """`facts`: of this frame."""
-        key = facts.hdr_output  # that of the frame graph
+        key = view.key  # that of the frame graph
         if not facts.indirect.wanted:
             return {**lengths_of(view.settings, 1.0), **_nothing_before()}
         size = self._size_of(scene)
@@ -49,6 +49,8 @@ class IndirectState:
             self._views.pop(key, None)
             return {**lengths, **_nothing_before()}
         before = self._views.pop(key, None)
+        if view.cut:
+            before = None
         frames = before.frames + 1 if before is not None else 0
         self._views[key] = _Seen(_copied(view.camera), view.aspect, id(scene), frames)
         while len(self._views) > VIEWS:

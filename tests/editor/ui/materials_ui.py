@@ -257,8 +257,10 @@ class MaterialsRun:
         run.shot("reload-preview")
         session.ui.focus_panel = "Assets"
         self.seen["reload_thumbnail"] = run.until(
-            lambda: self.small("boxes.red.material.toml").shape == small.shape
-            and bool((self.small("boxes.red.material.toml") != small).any())
+            lambda: (
+                self.small("boxes.red.material.toml").shape == small.shape
+                and bool((self.small("boxes.red.material.toml") != small).any())
+            )
         )
         session.ui.focus_panel = "Material preview"
         says(MOSS + "[technique.forward]\nfragmnt = 3\n")
