@@ -92,7 +92,7 @@ def test_failing_extremes_and_tables_are_omissions(ctx: Context) -> None:
         raise UsageError("no luck")
 
     result = sweep.run_experiment("toy", toy(extremes=broken, tables=broken), ctx)
-    assert {o.what for o in result.omitted} == {"extreme cases", "tables"}
+    assert {o.what for o in result.omitted} == {"extreme cases", "tables and charts"}
     fine = sweep.run_experiment("toy", toy(extremes=lambda _: [Extreme("x", "y", True)]), Context(quick=True))
     assert fine.extremes == [Extreme("x", "y", True)]
 

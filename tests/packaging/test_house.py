@@ -37,7 +37,7 @@ def test_every_package_says_what_it_is(init: Path) -> None:
 
 def test_the_top_level_holds_only_what_is_agreed() -> None:
     folders = {p.name for p in ROOT.iterdir() if p.is_dir() and not p.name.startswith(".")}
-    agreed = {"editor", "engine", "importers", "shaders", "project_template", "tests", "packaging"}
+    agreed = {"editor", "engine", "importers", "shaders", "project_template", "tests", "packaging", "docs"}
     made_by_running = {"build", "dist", "out", "lucarna-sample", "__pycache__"}
     assert agreed <= folders
     assert {f for f in folders if not f.endswith(".egg-info")} <= agreed | made_by_running

@@ -105,7 +105,7 @@ def test_a_flickering_scene_compiles_each_graph_once(stage: Stage) -> None:
     held, got = compiled(HOLD)
     assert plain > 8, "the scene does not flicker"
     assert held == 0
-    last = renderer.hysteresis(scene, (True, 24, 20, False), facts())
+    last = renderer.hysteresis(scene, ("", True, 24, 20, False), facts())
     assert last.local_lights, "still held"
     assert last.suns
     for a, b in zip(expected, got, strict=True):

@@ -163,7 +163,7 @@ def test_a_gbuffer_too_narrow_for_its_materials(
     tests/render/test_gbuffer.py::test_layout_is_the_narrowest."""
     stage = Stage(gl_device)
     try:
-        monkeypatch.setattr("engine.render.renderer.layout_of", lambda rows: layout - 1)
+        monkeypatch.setattr("engine.render.light_path.layout_of", lambda rows: layout - 1)
         with pytest.raises(AssertionError, match="leaves out what is seen"):
             path_checks.layout_is_enough(stage, layout)
     finally:
