@@ -39,7 +39,6 @@ class Programs(PassPrograms):
         self._revision = effects.revision
         self._facts: SceneFacts | None = None
         self._macros_of: tuple[SceneFacts | None, tuple[object, ...]] = (None, ())
-        self._arenas: dict[int, MeshArena] = {}
         self.errors: dict[str, ShaderError] = {}
 
     def forget(self) -> None:
@@ -95,7 +94,6 @@ class Programs(PassPrograms):
         )  # fmt: skip
         pipeline = self._surface.get(key)
         if pipeline is None:
-            self._arenas[state.arena] = arena
             effect = self._effects.get(state.effect)
             request = replace(surface_request(state, arena, facts, effect), index=index)
             pipeline, error = self._effects.of_request(self._device, request, effect)
@@ -117,10 +115,10 @@ class Programs(PassPrograms):
         if self._revision != self._effects.revision:
             self.forget()
         key = (state.effect, state.features, state.arena, state.topology, state.level, facts.quality, index)
+        self._facts = facts  # also where nothing but shadows is in the picture
         pipeline = self._shadow.get(key)
         if pipeline is None:
             effect = self._effects.get(state.effect)
-            self._arenas[state.arena] = arena
             request = replace(shadow_request(state, arena, effect, facts), index=index)
             pipeline, error = self._effects.of_request(self._device, request, effect)
             if error is not None:
@@ -139,7 +137,6 @@ class Programs(PassPrograms):
         pipeline = self._depth.get(key)
         if pipeline is None:
             effect = self._effects.get(state.effect)
-            self._arenas[state.arena] = arena
             request = replace(depth_request(state, arena, facts, effect), index=index)
             pipeline, error = self._effects.of_request(self._device, request, effect)
             if error is not None:
@@ -152,14 +149,17 @@ class Programs(PassPrograms):
         return role in self._effects.get(state.effect).techniques
 
     def uses(
-        self, states: Iterable[tuple[int, DrawState]], records: Mapping[int, MaterialRecord]
+        self,
+        states: Iterable[tuple[int, DrawState]],
+        records: Mapping[int, MaterialRecord],
+        arenas: Sequence[MeshArena],
     ) -> dict[VariantRequest, list[int]]:
         """What `surface` and `shadow` would ask of the library for these (material, state), by the last facts, and the
-        materials that want each."""
+        materials that want each; also for what only throws its shadow into the picture."""
         found: dict[VariantRequest, list[int]] = {}
         for material, state in states if self._facts is not None else ():
-            if state.arena in self._arenas and self._facts is not None:
-                facts, arena, effect = self._facts, self._arenas[state.arena], records[material].effect
+            if self._facts is not None:
+                facts, arena, effect = self._facts, arenas[state.arena], records[material].effect
                 requests = requests_of(state, arena, facts, effect, depth=bool(self._depth), shadow=bool(self._shadow))
                 counts = [self._count(effect, request.role, state, facts) for request in requests]
                 every = [

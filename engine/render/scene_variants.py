@@ -23,7 +23,7 @@ class SceneVariants:
     def uses(self, records: Mapping[int, MaterialRecord]) -> dict[VariantRequest, list[int]]:
         """What the last frame would have asked for if these materials were as in `records`, seen or not, and the
         materials that want each."""
-        found = self._programs.uses(self._draws.states_of(records), records)
+        found = self._programs.uses(self._draws.states_of(records), records, self._residency.arenas)
         for material in self._draws.materials & records.keys():
             for request in self._residency.procedural.requests([records[material]]):
                 found.setdefault(request, []).append(material)
