@@ -183,7 +183,7 @@ def test_a_new_file_that_an_importer_would_find(tmp_path: Path, capsys: Capture)
 def test_one_bad_file_costs_one_file(depot: Path, capsys: Capture, real_workers: None) -> None:
     """By limits of its own, one source runs out of time and another out of memory."""
     for name, text in (("slow", "max_worker_seconds = 0.1\n"), ("fat", "max_worker_bytes = 60000000\n")):
-        textured_triangle(png(64, 64)).write_glb(depot / f"{name}.glb")
+        textured_triangle(png(1024, 1024)).write_glb(depot / f"{name}.glb")  # more than a tenth of a second's work
         (depot / f"{name}.glb.import").write_text(text)
     found = run(depot, "--jobs", "2", capsys=capsys)
     assert {name for name, item in found.items() if item["error"]} == {"slow.glb", "fat.glb"}

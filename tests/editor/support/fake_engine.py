@@ -27,6 +27,7 @@ class Settings(ParamBlock):
     environment_rotation: float = param(0.0, min=-360.0, max=360.0, unit="deg", doc="turns the environment")
     view: str = param("lit", choices=("lit", "normal"), doc="debug view")
     force_all: bool = param(False, doc="leave nothing out")
+    shadow_floor: float = param(0.0, min=0.0, max=1.0, doc="how dark")
 
 
 EFFECT = SimpleNamespace(
