@@ -99,7 +99,7 @@ class ScriptRun:
             return _exit_code(stop)
         except LucarnaError as error:
             raise _placed(error, path) from error
-        except Exception as error:
+        except Exception as error:  # a script raises what it likes: told with its own line
             raise _placed(error, path) from error
         finally:
             sys.argv, sys.path[:] = argv, folders

@@ -34,7 +34,7 @@ def plugin_importers() -> tuple[Importer, ...]:
         for point in importlib.metadata.entry_points(group=GROUP):
             try:
                 _installed.append(_checked(point.load()))
-            except Exception as error:
+            except Exception as error:  # foreign code raises what it likes: it is listed, the rest loads
                 problems[point.value] = where_it_broke(error)
     files = [Path(f) for f in os.environ.get(VARIABLE, "").split(os.pathsep) if f]
     return (*_installed, *(i for i in map(_of_file, files) if i is not None))
@@ -62,7 +62,7 @@ def _of_file(path: Path) -> Importer | None:
         problems.pop(str(path), None)
         try:
             known = (stamp, _checked(load_module(path).IMPORTER))
-        except Exception as error:
+        except Exception as error:  # foreign code raises what it likes: it is listed, the rest loads
             problems[str(path)] = where_it_broke(error, path)
             known = (stamp, None)
         _loaded[str(path)] = known

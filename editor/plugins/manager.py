@@ -133,7 +133,7 @@ class PluginManager:
         try:
             register = self._entry(loaded)
             register(plugin)
-        except Exception as error:
+        except Exception as error:  # a plug-in raises what it likes: it is listed and off
             self.fail(loaded, error)
             return False
         loaded.state, loaded.error = "on", ""
@@ -215,7 +215,7 @@ class PluginManager:
                 run(session, **arguments)
             except LucarnaError as error:
                 session.fail(error)
-            except Exception as error:
+            except Exception as error:  # a plug-in raises what it likes: it is listed and off
                 self.fail(loaded, error)
 
         return call

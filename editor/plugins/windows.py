@@ -29,7 +29,7 @@ def _draw(ui: Ui, manager: PluginManager, window: PluginWindow) -> None:
             window.panel.draw(ui)
         imgui.end()
         window.opened = bool(opened)
-    except Exception as error:
+    except Exception as error:  # a plug-in raises what it likes: its window closes, no other
         _recover(state)
         manager.fail(window.owner, error)
 

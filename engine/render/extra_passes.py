@@ -28,21 +28,21 @@ class GuardedPass(Pass):
     def needs(self, facts: Any) -> bool | str:
         try:
             return self.inner.needs(facts)
-        except Exception as error:
+        except Exception as error:  # a plug-in raises what it likes: it is switched off, the frame goes on
             self.registry.fail(self.name, error)
             return f"it failed: {error}"
 
     def declare(self, b: Builder) -> None:
         try:
             self.inner.declare(b)
-        except Exception as error:
+        except Exception as error:  # a plug-in raises what it likes: it is switched off, the frame goes on
             self.registry.fail(self.name, error)
             raise LucarnaError(f"pass {self.name}: {error}", hint="it was switched off") from error
 
     def execute(self, ctx: PassContext) -> None:
         try:
             self.inner.execute(ctx)
-        except Exception as error:
+        except Exception as error:  # a plug-in raises what it likes: it is switched off, the frame goes on
             self.registry.fail(self.name, error)
 
 

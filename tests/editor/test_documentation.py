@@ -8,7 +8,7 @@ import pytest
 
 from editor import documentation
 from editor.builtin_operations import builtin_operations
-from editor.features import FEATURES
+from editor.features import FEATURES, Feature
 from editor.navigation import MOTIONS
 from editor.strings.listing import panel_titles
 from importers.cli.main import COMMANDS
@@ -17,13 +17,13 @@ OPERATIONS = {o.id for o in builtin_operations()}
 
 
 @pytest.mark.parametrize("feature", FEATURES, ids=lambda feature: feature.name)
-def test_every_row_leads_somewhere(feature: object) -> None:
-    assert set(feature.operations) <= OPERATIONS, set(feature.operations) - OPERATIONS  # type: ignore[attr-defined]
-    assert set(feature.panels) <= set(panel_titles())  # type: ignore[attr-defined]
-    assert set(feature.commands) <= set(COMMANDS)  # type: ignore[attr-defined]
-    assert set(feature.motions) <= set(MOTIONS)  # type: ignore[attr-defined]
+def test_every_row_leads_somewhere(feature: Feature) -> None:
+    assert set(feature.operations) <= OPERATIONS, set(feature.operations) - OPERATIONS
+    assert set(feature.panels) <= set(panel_titles())
+    assert set(feature.commands) <= set(COMMANDS)
+    assert set(feature.motions) <= set(MOTIONS)
     assert (  # what leads nowhere is said to be missing
-        feature.operations or feature.panels or feature.commands or feature.missing  # type: ignore[attr-defined]
+        feature.operations or feature.panels or feature.commands or feature.missing
     )
 
 

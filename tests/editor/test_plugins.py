@@ -83,7 +83,7 @@ def test_nothing_of_a_project_runs_before_the_user_says_so(manager: PluginManage
     assert (plugin.state, manager.asking) == ("waits", None)
     manager.trust()
     assert plugin.state == "failed"
-    assert manager.session.preferences.trusted_projects == [str(manager.root.resolve())]  # type: ignore[union-attr]
+    assert manager.session.preferences.trusted_projects == [str(manager.root.resolve())]  # type: ignore[union-attr]  # the manager of these tests has a session
 
 
 def test_without_plugins_nothing_is_looked_for(manager: PluginManager) -> None:
