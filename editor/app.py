@@ -3,16 +3,32 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 from imgui_bundle import hello_imgui, imgui
 
-from editor import dropping, file_drop, keys, layout, layout_slots, menus, recovering, strings, theme, turntable
+from editor import (
+    dropping,
+    file_drop,
+    keys,
+    layout,
+    layout_slots,
+    menus,
+    recovering,
+    strings,
+    theme,
+    turntable,
+    waking,
+    window_state,
+)  # fmt: skip
 from editor.dialogs import Dialogs
 from editor.dialogs.modals import draw_error_bar
+from editor.file_watch import LOOK, FileWatch
 from editor.fonts import HINT, cjk_font
+from editor.idling import AWAKE, NEVER, Idling
+from editor.interrupts import Interrupts
 from editor.operations import Operations
 from editor.panels.base import Panel
 from editor.panels.registry import make_panels
@@ -24,11 +40,8 @@ from editor.preferences import layout_path
 from editor.session import Session
 from editor.strings import doors
 from editor.ui import Ui
-from editor.waking import waker
 from engine.core.errors import DeviceError, LucarnaError
 
-#: frames a second while nobody does anything: every event wakes the window at once
-IDLE_FPS = 1.0
 #: the wheel is at rest after so many seconds
 WHEEL_REST = 0.2
 #: how long a screenshot waits for a file that is still being opened, seconds
@@ -60,8 +73,12 @@ class App:
         self._drop: Any = None
         self._start = time.monotonic()
         self._settled = 0
-        self._wheeled = -1e9
+        self._wheeled = self._followed = -1e9
         self._focus = ""
+        self.idling = Idling()
+        self.interrupts = Interrupts()
+        self._files = FileWatch()
+        self._sight: Callable[[], window_state.Sight] = lambda: "front"
         #: what to do once the window is there: opening a file takes the processor that the first frame wants
         self.on_shown: Callable[[], None] | None = None
         #: panels whose tabs come to the front once a workspace is there
@@ -69,9 +86,11 @@ class App:
         self.params = self._make_params(size, remember_layout)
 
     def run(self) -> None:
-        """Show the window until it is closed. Raises DeviceError when there is no usable graphics device."""
+        """Show the window until it is closed. Raises DeviceError when there is no usable graphics device,
+        KeyboardInterrupt after Ctrl+C in the terminal; unsaved edits then wait for the next start."""
         try:
-            hello_imgui.run(self.params)
+            with self.interrupts.listening():
+                hello_imgui.run(self.params)
         except RuntimeError as error:
             if self.ui.drawn:  # the window was there: this is a defect, and its traceback is wanted
                 raise
@@ -80,6 +99,8 @@ class App:
             ) from error
         if self.failure is not None:
             raise self.failure
+        if self.interrupts.signal:
+            raise KeyboardInterrupt
 
     def panel(self, kind: type[Panel]) -> Any:
         return next(p for p in self.panels if isinstance(p, kind))
@@ -100,7 +121,11 @@ class App:
         w.show_status_bar, w.show_status_fps, w.remember_status_bar_settings = True, False, False
         w.remember_theme = False
         current = layout.named(self.ui.session.preferences.workspace)
-        self._layouts = {w.name: layout.docking_params(self.panels, self._panel_function, w) for w in layout.WORKSPACES}
+        compact = layout.is_compact(size[0], theme.FONT_SIZE * self.ui.session.preferences.ui_scale)
+        self._layouts = {
+            w.name: layout.docking_params(self.panels, self._panel_function, w, compact=compact)
+            for w in layout.WORKSPACES
+        }
         p.docking_params = self._layouts[current.name]
         p.alternative_docking_layouts = [x for name, x in self._layouts.items() if name != current.name]
         p.ini_disable = not remember_layout
@@ -108,8 +133,8 @@ class App:
             layout_path().parent.mkdir(parents=True, exist_ok=True)
             p.ini_folder_type = hello_imgui.IniFolderType.absolute_path
             p.ini_filename = str(layout_path())
-        p.fps_idling.fps_idle = IDLE_FPS
-        p.fps_idling.time_active_after_last_event = 0.5
+        p.fps_idling.fps_idle = 1.0 / NEVER
+        p.fps_idling.time_active_after_last_event = AWAKE
         p.fps_idling.remember_enable_idling = False
         p.fps_idling.enable_idling = self.frames == 0
         c = p.callbacks
@@ -165,8 +190,9 @@ class App:
             io.backend_flags |= imgui.BackendFlags_.renderer_has_textures
         else:
             self._drop = file_drop.install(_glfw_window(), self.dropped)
-            session.shaders.wake = waker() or session.shaders.wake
-            session.asset_pictures.wake = session.sources.wake = session.shaders.wake
+            self._sight = window_state.sight(_glfw_window())
+            waking.connect(waking.waker())
+            session.shaders.wake = session.asset_pictures.wake = session.sources.wake = waking.wake
         if session.device is None:
             session.device = session.host.open_device(attach=not self.null_platform)
         self.plugins.start()
@@ -191,23 +217,21 @@ class App:
         session = self.ui.session
         io = imgui.get_io()
         self.ui.pixel_scale = max(float(io.display_framebuffer_scale.x), 1e-3)
+        self.idling.began(time.monotonic(), woken=waking.take())
+        self.idling.sight = self._sight()
+        if self.interrupts.signal:
+            self.params.app_shall_exit = True
         session.poll()
         self.plugins.poll()
         if session.preferences.language != self._language:
             self._speak(session.preferences.language)
         session.interacting = not self.frames and self._interacting(io)
-        session.tick(min(float(io.delta_time), 0.25))
-        turntable.step(session, float(io.delta_time))
+        seconds = min(float(io.delta_time), 0.25) if self.idling.plays(session) else 0.0
+        session.tick(seconds)
+        turntable.step(session, seconds)
         self.ui.flying = self.panel(ViewportPanel).flying
         keys.run_shortcuts(self.ui, flying=self.ui.flying)
         self._requests()
-        jobs = (session.job, session.importing, session.work, session.image.compiling)
-        working = any(job is not None for job in jobs)
-        waits = session.image.settling or session.comparing.waiting or session.comparing.held
-        waits = waits or session.tools.turning or session.look_card.waiting
-        waits = waits or session.image.rehearsing is not None
-        if session.playback.playing or working or waits:
-            self._refresh()
 
     def _interacting(self, io: Any) -> bool:
         """A button is held, the wheel turned a moment ago, or time runs."""
@@ -217,15 +241,38 @@ class App:
         held = any(imgui.is_mouse_down(button) for button in range(3))
         if held or io.mouse_delta.x or io.mouse_delta.y or io.mouse_wheel or io.input_queue_characters.size():
             self.ui.session.image.disturb()
-        if held or now - self._wheeled < WHEEL_REST:
-            self._refresh()
-            return True
-        return self.ui.session.playback.playing or self.ui.session.tools.turning
+        session = self.ui.session
+        session.handling = held or now - self._wheeled < WHEEL_REST
+        return session.handling or session.playback.playing or session.tools.turning
 
-    def _refresh(self) -> None:
-        """Draw the next frame at once instead of sleeping."""
-        if not self.null_platform:
+    def _pace(self) -> None:
+        """How long the window may sleep now; before it does, a thread takes over looking at files."""
+        session, now = self.ui.session, time.monotonic()
+        caret = bool(imgui.get_io().want_text_input)
+        pause = self.idling.pause(session, now, moving=session.handling, caret=caret, asked=self.ui.asked_for)
+        self.ui.asked_for = NEVER
+        if pause > LOOK and now - self._followed > LOOK:
+            self._followed = now
+            if self._files.follow(self._watched()):
+                self.idling.look_again(now)
+                pause = self.idling.pause(session, now, moving=False, caret=caret)
+        idle = self.params.fps_idling
+        idle.fps_max = float(session.preferences.fps_limit)
+        if pause <= 0.0:
             hello_imgui.request_refresh()
+        else:
+            idle.fps_idle = 1.0 / pause
+
+    def _watched(self) -> Iterator[Path]:
+        """Files that frames look at themselves, and whose change should bring one."""
+        session = self.ui.session
+        yield from (text.path for text in session.code.documents)
+        if session.document is not None:
+            yield from session.document.prefabs
+        yield from self.plugins.files()
+        for panel, window in zip(self.panels, self.params.docking_params.dockable_windows, strict=True):
+            if window.is_visible:
+                yield from panel.watched()
 
     def _panel_function(self, panel: Panel) -> Callable[[], None]:
         return self._guarded(lambda: panel.draw(self.ui) if panel.padded else self._draw_unpadded(panel))
@@ -253,6 +300,8 @@ class App:
             session.end_gesture()
         recovering.keep(session)
         self.ui.drawn += 1
+        if not (self.null_platform or self.frames):
+            self._pace()
         if self.ui.drawn > 1 and self.on_shown is not None:
             begin, self.on_shown = self.on_shown, None
             begin()
@@ -278,9 +327,8 @@ class App:
         if requests.reset_layout:
             requests.reset_layout = False
             workspace = layout.named(self.ui.session.preferences.workspace)
-            for panel, window in zip(self.panels, self.params.docking_params.dockable_windows, strict=True):
-                window.is_visible = workspace.opens(panel)
-            self.params.docking_params.layout_reset = True
+            compact = layout.is_compact(imgui.get_io().display_size.x, imgui.get_font_size())
+            layout.arrange(self.params.docking_params, self.panels, workspace, compact=compact)
         if requests.scale_changed:
             requests.scale_changed = False
             self._style()
@@ -335,8 +383,10 @@ class App:
         session = self.ui.session
         if session.job is not None:
             session.job.cancel()
-        if self.failure is not None:  # a defect must cost no edits
+        if self.failure is not None or (self.interrupts.signal and session.unsaved):  # neither may cost edits
             recovering.leave(session)
+        waking.connect(None)
+        self._files.stop()
         session.shaders.stop()
         session.sources.stop()
         session.asset_pictures.stop()

@@ -6,6 +6,7 @@ import threading
 import time
 from pathlib import Path
 
+from editor.waking import wake
 from importers.project.moving import used_by, uses
 from importers.project.references import Reference, files_of, references
 
@@ -63,5 +64,7 @@ class AssetLinks:
                 entry = self._cache[file] = (stamp, list(references(file, root, known, effects)))
             found += entry[1]
         if root == self._root:
-            self._found, self.ready = found, True
+            fresh, self._found, self.ready = not self.ready, found, True
+            if fresh:
+                wake()
             self._after = time.monotonic() + STANDS

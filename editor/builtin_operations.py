@@ -12,6 +12,7 @@ from editor.comparing.operations import add_compare_operations
 from editor.direct_operations import add_direct_operations
 from editor.document_operations import add_document_operations
 from editor.editing_operations import add_editing_operations
+from editor.history_operations import add_history_operations
 from editor.import_operations import add_import_operations
 from editor.layout_operations import add_layout_operations
 from editor.looks import add_look_operations
@@ -446,6 +447,7 @@ def builtin_operations() -> Operations:
     add_document_operations(ops)
     add_import_operations(ops)
     add_prefab_operations(ops)
+    add_history_operations(ops)
     add_compare_operations(ops)
     add_layout_operations(ops)
     add_look_operations(ops)

@@ -57,7 +57,7 @@ def _toggle_watch(session: Session) -> None:
 
 
 def _toggle_card(session: Session) -> None:
-    session.ui.import_card = not session.ui.import_card
+    session.ui.import_card = session.ui.import_card_opened = not session.ui.import_card
 
 
 def _fixer(fix: Fix) -> Callable[[Session], None]:

@@ -31,6 +31,7 @@ from typing import IO, TYPE_CHECKING, Any
 from editor.commands.command import Command, Edit
 from editor.commands.replacement import FileStep, Replacement
 from editor.commands.structure import StructureCommand, load
+from editor.recovered_numbers import in_place, meant
 from engine.core.errors import InputError, LucarnaError
 from engine.core.findings import Findings
 from engine.core.paths import user_config_dir
@@ -86,6 +87,7 @@ class Journal:
             line: dict[str, Any] = {"e": what, "n": len(history.entries), "dirty": history.dirty}
             if edit is not None:
                 line["c"] = edit_to_plain(edit)
+                line |= self._meaning(edit)
                 if gesture is not None:
                     line["g"] = repr(gesture)
             if what == "saved" or self.document.saved_to != self._saved_to:
@@ -110,7 +112,12 @@ class Journal:
         self._line({"e": "rebased", "base": base, **self._place(), **stands, "to": str(document.saved_to or "")})
         for (table, column, row), value in document.overrides.items() if new else ():
             edit = Command(table, column, (row,), (None,), (value,), "Recovered")
-            self._line({"e": "do", "c": edit_to_plain(edit), **stands})
+            self._line({"e": "do", "c": edit_to_plain(edit), **self._meaning(edit), **stands})
+
+    def _meaning(self, edit: Edit) -> dict[str, Any]:
+        """What an edit's numbers of meshes and materials are those of (editor.recovered_numbers)."""
+        said = meant(edit, getattr(self.document.runtime, "residency", None))
+        return {"of": said} if said else {}
 
     def _write_base(self, path: Path) -> None:
         """What a replay begins with; with instances as their prefabs were when the scene was read."""
@@ -130,6 +137,11 @@ class Journal:
             if self._prefabs.get((self._base, path)) is not nodes:
                 self._prefabs[self._base, path] = nodes
                 self._line({"prefab": str(path), "nodes": [asdict(node) for node in nodes]})
+
+    @property
+    def due(self) -> float | None:
+        """Seconds until the next snapshot; None: nothing has changed since the last."""
+        return max(self._snapshot_after - time.monotonic(), 0.0) if self._changed else None
 
     def tick(self) -> None:
         """Now and then, while nothing is dragged: a snapshot, if anything changed."""
@@ -255,7 +267,8 @@ def replay(document: Document, path: Path) -> int:
             if "prefab" in line:
                 document.prefabs[Path(line["prefab"])] = [node_from_plain(node) for node in line["nodes"]]
             if what == "do":
-                history.do(edit_from_plain(line["c"], document), line.get("g"))
+                plain = in_place(line["c"], line.get("of", {}), document.runtime.residency)
+                history.do(edit_from_plain(plain, document), line.get("g"))
             elif what == "saved":
                 history.mark_saved()
             elif what in {"unsaved", "rebased"}:

@@ -22,6 +22,17 @@ SPLITS: tuple[Split, ...] = (
 )
 DOCKS = ("MainDockSpace", *(split[1] for split in SPLITS))
 
+#: a window narrower than this, em, has two columns instead of three: on a small screen, or with a large interface
+COMPACT_BELOW = 64.0
+#: where panels stand then, and the spaces for it: tree above inspector, and one row below the picture
+COMPACT_DOCKS = {"Left": "Right", "LeftBottom": "Right", "Right": "RightBottom", "BottomRight": "Bottom"}
+COMPACT_SPLITS: tuple[Split, ...] = (
+    ("MainDockSpace", "Right", imgui.Dir.right, 0.38),
+    ("Right", "RightBottom", imgui.Dir.down, 0.58),
+    ("MainDockSpace", "Bottom", imgui.Dir.down, 0.34),
+    ("MainDockSpace", "Code", imgui.Dir.right, 0.5),
+)
+
 
 @dataclass(frozen=True, slots=True)
 class Workspace:
@@ -66,16 +77,16 @@ WORKSPACES = (
 
 
 def docking_params(
-    panels: Sequence[Panel], draw: Callable[[Panel], Callable[[], None]], workspace: Workspace = WORKSPACES[0]
-) -> hello_imgui.DockingParams:
-    """A workspace with `draw(panel)` as each window's content."""
+    panels: Sequence[Panel], draw: Callable[[Panel], Callable[[], None]], workspace: Workspace = WORKSPACES[0],
+    *, compact: bool = False,
+) -> hello_imgui.DockingParams:  # fmt: skip
+    """A workspace with `draw(panel)` as each window's content; `compact` as arrange has it."""
     params = hello_imgui.DockingParams()
     params.layout_name = workspace.name
-    params.docking_splits = [hello_imgui.DockingSplit(*split) for split in workspace.splits]
+    params.docking_splits = splits(workspace, compact=compact)
     windows = []
     for panel in panels:
-        dock = workspace.docks.get(panel.title, panel.dock)
-        assert dock in DOCKS, f"{panel.title}: no dock {dock}"
+        dock = dock_of(workspace, panel, compact=compact)
         window = hello_imgui.DockableWindow(panel.label, dock, draw(panel), workspace.opens(panel), panel.closable)
         window.include_in_view_menu = False
         window.call_begin_end = panel.padded
@@ -83,6 +94,32 @@ def docking_params(
     params.dockable_windows = windows
     params.main_dock_space_node_flags = imgui.DockNodeFlags_.none
     return params
+
+
+def splits(workspace: Workspace, *, compact: bool) -> list[hello_imgui.DockingSplit]:
+    """What cuts the window into spaces."""
+    return [hello_imgui.DockingSplit(*split) for split in (COMPACT_SPLITS if compact else workspace.splits)]
+
+
+def dock_of(workspace: Workspace, panel: Panel, *, compact: bool) -> str:
+    """The space that a panel stands in."""
+    dock = workspace.docks.get(panel.title, panel.dock)
+    assert dock in DOCKS, f"{panel.title}: no dock {dock}"
+    return COMPACT_DOCKS.get(dock, dock) if compact else dock
+
+
+def arrange(params: hello_imgui.DockingParams, panels: Sequence[Panel], workspace: Workspace, *, compact: bool) -> None:
+    """Every panel of the workspace back to its place, in the next frame."""
+    params.docking_splits = splits(workspace, compact=compact)
+    for panel, window in zip(panels, params.dockable_windows, strict=True):
+        window.is_visible = workspace.opens(panel)
+        window.dock_space_name = dock_of(workspace, panel, compact=compact)
+    params.layout_reset = True
+
+
+def is_compact(width: float, font: float) -> bool:
+    """Whether a window `width` wide, its letters `font` high in the same unit, has no room for three columns."""
+    return width < COMPACT_BELOW * font
 
 
 def named(name: str) -> Workspace:

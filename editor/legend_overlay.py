@@ -7,6 +7,7 @@ import itertools
 from imgui_bundle import imgui
 
 from editor import theme
+from editor.strings import tr
 from editor.widgets import em
 from engine.render.legends import Legend
 
@@ -26,10 +27,12 @@ def draw(legend: Legend, left: float, bottom: float, room: float) -> float:
     lines = imgui.get_window_draw_list()
     lines.add_rect_filled((left, top), (left + wide + 2.0 * pad, bottom), theme.u32((0.05, 0.055, 0.065, 0.86)), 4)
     y = top + pad
-    lines.add_text((x, y), theme.u32(theme.TEXT), legend.heading)
-    note = imgui.calc_text_size(legend.note).x
-    if legend.note and imgui.calc_text_size(legend.heading).x + note + em(1.0) < wide:
-        lines.add_text((x + wide - note, y), theme.u32(theme.DIM), legend.note)
+    heading = tr(legend.heading)
+    lines.add_text((x, y), theme.u32(theme.TEXT), heading)
+    said = tr(legend.note)
+    note = imgui.calc_text_size(said).x
+    if said and imgui.calc_text_size(heading).x + note + em(1.0) < wide:
+        lines.add_text((x + wide - note, y), theme.u32(theme.DIM), said)
     y += line + em(0.3)
     colors = [theme.u32((*legend.color(i / PIECES), 1.0)) for i in range(PIECES + 1)]
     for i, (start, end) in enumerate(itertools.pairwise(colors)):

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Generic, TypeVar
 
 from editor.host import Cancelled, Host, Progress, Resolved
+from editor.waking import Word, wake
 from engine.core.errors import InputError, LucarnaError
 
 Result = TypeVar("Result")
@@ -106,26 +107,36 @@ class Job(Generic[Result]):
         self.error: LucarnaError | None = None
         self.cancelled = False
         self._work = work
+        self._ended = threading.Event()
+        self._word = Word()
         self._thread = threading.Thread(target=self._run, name=text, daemon=True)
         self._thread.start()
 
     @property
     def done(self) -> bool:
-        return not self._thread.is_alive()
+        return self._ended.is_set()
 
     def cancel(self) -> None:
         """Ask the work to stop at its next step; what it made so far stays in the cache, whole."""
         self.cancelled = True
 
     def wait(self, seconds: float | None = None) -> None:
-        self._thread.join(seconds)
+        self._ended.wait(seconds)
 
     def _progress(self, text: str, fraction: float = -1.0) -> None:
         if self.cancelled:
             raise Cancelled
         self.text, self.fraction = text, fraction
+        self._word.say()
 
     def _run(self) -> None:
+        try:
+            self._do()
+        finally:
+            self._ended.set()
+            wake()
+
+    def _do(self) -> None:
         try:
             self.result = self._work(self._progress)
         except Cancelled:

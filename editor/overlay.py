@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from editor import theme
 from editor.camera_controls import OrbitCamera, project
 from editor.host import box_corners
+from editor.strings import tr
 from editor.tools import Tools
 
 #: the 12 edges of a box by corner index (see box_corners)
@@ -98,12 +99,13 @@ def metres(length: float) -> str:
     return f"{length:g} m"
 
 
-def chip(x: float, y: float, value: str, color: theme.Rgba = theme.TEXT) -> tuple[float, float]:
-    """A line of text on a rounded dark ground at (x, y); returns its size."""
+def chip(x: float, y: float, value: str, color: theme.Rgba | None = None) -> tuple[float, float]:
+    """A line of text on a rounded dark ground at (x, y), in the language of the interface; returns its size."""
+    value = tr(value)
     size = imgui.calc_text_size(value)
     pad = imgui.get_style().frame_padding
     lines = imgui.get_window_draw_list()
     w, h = size.x + 2 * pad.x, size.y + 2 * pad.y
     lines.add_rect_filled((x, y), (x + w, y + h), theme.u32((0.05, 0.055, 0.065, 0.72)), 4)
-    lines.add_text((x + pad.x, y + pad.y), theme.u32(color), value)
+    lines.add_text((x + pad.x, y + pad.y), theme.u32(color or theme.TEXT), value)
     return w, h

@@ -12,6 +12,7 @@ from typing import Any
 from imgui_bundle import imgui
 
 from editor import icons, theme
+from editor.strings import tr
 from editor.widgets import em, icon_button, pretty, property_row
 from engine.core.param import Param
 
@@ -43,7 +44,7 @@ def param_row(
     can_reset = not _same(value, param.default) if changed is None else changed
     unit = f" [{'°' if degrees else param.unit}]" if param.unit or degrees else ""
     told = [
-        f"{param.doc or pretty(param.name)}{unit}{_limits(param)}",
+        f"{tr(param.doc or pretty(param.name))}{unit}{_limits(param)}",
         more,
         "The selected ones differ" if mixed else "",
     ]
@@ -201,7 +202,7 @@ def format_value(value: Any) -> str:
 def _limits(param: Param) -> str:
     if param.type in {"bool", "enum"} or not (math.isfinite(param.min) and math.isfinite(param.max)):
         return ""
-    return f"\n{param.min:g} to {param.max:g}"
+    return f"\n{param.min:g} – {param.max:g}"
 
 
 def _same(a: Any, b: Any) -> bool:

@@ -113,7 +113,7 @@ def poll(session: Session) -> None:
     from editor.reimporting import stamp_of
 
     document, now = session.document, time.monotonic()
-    if document is None or not document.prefabs or now < session.prefabs_at or session.interacting:
+    if document is None or not document.prefabs or now < session.prefabs_at or session.handling:
         return
     session.prefabs_at = now + LOOK
     stamps = {path: stamp_of(path) for path in document.prefabs}

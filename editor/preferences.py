@@ -16,6 +16,8 @@ from engine.core.paths import user_config_dir
 
 RECENT_LIMIT = 12
 THEMES = ("dark", "high-contrast")
+#: what plays while another window is in front: ten pictures a second, as ever, nothing
+IN_BACKGROUND = ("slow", "full", "stop")
 
 
 @dataclass(slots=True)
@@ -36,10 +38,16 @@ class Preferences:
     show_lights: bool = False
     #: grey ball, chrome ball and colour chart in the viewport's corner
     show_look_card: bool = False
+    #: the viewport after each edit, small, in the history panel
+    history_pictures: bool = True
     #: render at half resolution while something moves and full resolution is slow
     adaptive_resolution: bool = True
     #: while nothing happens, make the programs of the other render paths and debug views
     prepare_views: bool = True
+    #: what plays while another window is in front, one of IN_BACKGROUND
+    in_background: str = "slow"
+    #: pictures a second at most; 0: as many as the display shows
+    fps_limit: int = 0
     fly_speed: float = 1.0
     #: import sources again when they change; show the card of an import
     reimport: bool = True
@@ -92,6 +100,10 @@ def load(path: Path | None = None) -> Preferences:
         preferences.ui_scale = 1.0
     if preferences.theme not in THEMES:
         preferences.theme = THEMES[0]
+    if preferences.in_background not in IN_BACKGROUND:
+        preferences.in_background = IN_BACKGROUND[0]
+    if preferences.fps_limit != 0 and not 5 <= preferences.fps_limit <= 1000:
+        preferences.fps_limit = 0
     if not 24.0 <= preferences.assets_size <= 192.0:
         preferences.assets_size = 88.0
     if not 0.001 <= preferences.fly_speed <= 1000.0:

@@ -25,7 +25,7 @@ def start(session: Session, document: Document) -> None:
 
 def keep(session: Session) -> None:
     """Once a frame: snapshots, and a word when a journal cannot be written."""
-    if session.interacting:
+    if session.handling:
         return
     for journal, tab in list(tabs.journals(session)):
         journal.tick()

@@ -244,6 +244,8 @@ class SourceWatch:
         self._due = threading.Event()
         self._stop = False
         self._thread: threading.Thread | None = None
+        #: what `watched` said of which source
+        self._watched: tuple[Path | None, list[Path]] = (None, [])
 
     def changed(self, document: Document) -> bool:
         """Whether the source of `document`, or what it names, changed since it was asked the last time."""
@@ -273,8 +275,12 @@ class SourceWatch:
         source = self._source
         if source is None:
             return False
-        now = {path: stamp_of(path) for path in watched(source)}
         before = self._stamps.get(source)
+        files = self._watched[1] if self._watched[0] == source else []
+        now = {path: stamp_of(path) for path in files}
+        if not files or now != before:  # it may name others now
+            self._watched = source, watched(source)
+            now = {path: stamp_of(path) for path in self._watched[1]}
         self._stamps[source] = now
         if before is None:
             from importers.fingerprint import digest_or_missing

@@ -53,6 +53,8 @@ class UiRequests:
     rename: int = -1
     #: show what is known of the import of the document in front
     import_card: bool = False
+    #: the user asked for it: it stays as it is until he folds it
+    import_card_opened: bool = False
     #: a file of the project to rename or move
     rename_asset: Path | None = None
     #: rows under the pointer to choose from

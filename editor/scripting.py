@@ -48,7 +48,7 @@ def call(session: Session, id: str, given: Mapping[str, Any]) -> str:
 
 #: the first part of the ids of operations that look at the selection
 SELECTED = ("edit", "add", "material", "shader", "prefab", "light", "animation")
-ALONE = ("edit.undo", "edit.redo", "edit.select-all", "edit.show-all", "edit.unlock-all")
+ALONE = ("edit.undo", "edit.redo", "edit.history", "edit.select-all", "edit.show-all", "edit.unlock-all")
 
 
 def nodes(document: Document, rows: Sequence[int]) -> list[str]:

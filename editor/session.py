@@ -119,6 +119,7 @@ class Session(Looking):
         tabs.clear(self)
         self.tabs.pop(index)
         with self.device_frame():
+            self.history_pictures.forget(document)
             document.close()
         if self.tabs and not keep_empty:
             tabs.show(self, min(index, len(self.tabs) - 1))

@@ -16,6 +16,7 @@ from editor.camera_controls import OrbitCamera
 from editor.code.files import CodeFiles
 from editor.comparing.comparing import Comparing
 from editor.document import Document
+from editor.history_pictures import HistoryPictures
 from editor.host import Host
 from editor.journal import Journal
 from editor.look_card import LookCardPicture
@@ -57,6 +58,7 @@ class SessionState:
     playback: Playback = field(default_factory=Playback)
     image: ViewportImage = field(default_factory=ViewportImage)
     thumbnails: Thumbnails = field(default_factory=Thumbnails)
+    history_pictures: HistoryPictures = field(default_factory=HistoryPictures)
     preview: Preview = field(default_factory=Preview)
     comparing: Comparing = field(default_factory=Comparing)
     look_card: LookCardPicture = field(default_factory=LookCardPicture)
@@ -76,6 +78,8 @@ class SessionState:
     save_preferences: bool = True
     #: the user is dragging something, or time runs: pictures should come soon rather than sharp
     interacting: bool = False
+    #: of that: the user drags something or turns the wheel
+    handling: bool = False
     tools: Tools = field(default_factory=Tools)
     #: where edits are journalled; None: nowhere
     recovery_folder: Path | None = None

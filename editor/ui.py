@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from editor.idling import NEVER
 from editor.keymap import Keymap
 from editor.operations import Operation, Operations
 from editor.plugins.manager import PluginManager
@@ -26,11 +27,18 @@ class Ui:
     asked: Operation | None = None
     #: whether the keys steer the camera
     flying: bool = False
+    #: seconds after which somebody wants another frame, though nothing happens; see again_in
+    asked_for: float = NEVER
     plugins: PluginManager | None = None
     keymap: Keymap = field(init=False)
 
     def __post_init__(self) -> None:
         self.keymap = Keymap(self.operations, self.session.preferences)
+
+    def again_in(self, seconds: float) -> None:
+        """Said while drawing: another frame after so many seconds, 0 for the next one. The window draws nothing while
+        nothing happens, so what moves by itself says this in every frame."""
+        self.asked_for = min(self.asked_for, seconds)
 
     def keep_live(self) -> None:
         """Where the viewport lies behind another panel: make its picture, if anything in it changed."""

@@ -37,6 +37,8 @@ class ViewportImage:
         self.compiling: tuple[int, int] | None = None
         self.frame: Any = None
         self.renders = 0
+        #: how often `update` was called: the picture is shown somewhere
+        self.updates = 0
         self.error = ""
         self.width = 0
         self.height = 0
@@ -57,6 +59,7 @@ class ViewportImage:
 
         A failing render is logged once, and the last good picture stays."""
         document = session.document
+        self.updates += 1
         if document is None or width < 1 or height < 1:
             return self.frame if document is not None else None
         width, height = min(width, MAX_SIZE), min(height, MAX_SIZE)
@@ -65,6 +68,7 @@ class ViewportImage:
         runtime.scene.update()
         key = (id(runtime), width, height, *session.visible_state())
         if key == self._key and not self.settling:
+            session.history_pictures.take(session, self.frame, resting=not session.interacting)
             self._rehearse(session)
             return self.frame
         self._rested, self.rehearsing = self.clock(), None
@@ -77,12 +81,18 @@ class ViewportImage:
             self.frame = frame
             self.renders += 1
             self.width, self.height, self.error = width, height, ""
+            session.history_pictures.take(session, frame, resting=False)
         except LucarnaError as error:
             self.error, self.settling = str(error), False
             session.messages.error(error)
         # taken after the render: streaming may have moved a revision, and that is shown by the next one
         self._key = key
         return self.frame
+
+    @property
+    def rests_for(self) -> float:
+        """Seconds of rest that `rehearsing` waits for yet."""
+        return max(REST - (self.clock() - self._rested), 0.0)
 
     def disturb(self) -> None:
         """The user does something: what can wait does."""

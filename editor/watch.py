@@ -1,6 +1,6 @@
 """ShaderWatch: edited effects, shaders and materials -> the open document's runtime, and what is wrong with them.
 
-A thread looks at the files ten times a second and wakes the window, which sleeps while nothing happens; all else is
+A thread looks at the files four times a second and wakes the window, which sleeps while nothing happens; all else is
 done on the window's thread. No imgui.
 """
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from editor.session import Session
 
 #: seconds between two looks of the thread
-LOOK = 0.1
+LOOK = 0.25
 #: seconds between two looks at the files that are open as text
 LOOK_AT_TEXTS = 0.25
 

@@ -8,9 +8,12 @@ from contextlib import contextmanager
 from imgui_bundle import imgui
 
 from editor import icons, theme
-from editor.strings import verbatim
+from editor.strings import tr, verbatim
 from editor.theme import Rgba
 from editor.ui import Ui
+
+#: a property grid narrower than this, em, has its labels above their widgets
+NARROW = 13.0
 
 
 def em(count: float = 1.0) -> float:
@@ -18,14 +21,22 @@ def em(count: float = 1.0) -> float:
     return float(imgui.get_font_size()) * count
 
 
-def text(value: str, color: Rgba = theme.TEXT) -> None:
-    imgui.text_colored(imgui.ImVec4(*color), value)
+def text(value: str, color: Rgba | None = None) -> None:
+    """A line of text; without a `color` in the theme's own."""
+    imgui.text_colored(imgui.ImVec4(*(color or theme.TEXT)), value)
 
 
-def own_text(value: str, color: Rgba = theme.TEXT) -> None:
+def own_text(value: str, color: Rgba | None = None) -> None:
     """Text of the user's own, a name or a line of code, which no language of the interface changes."""
     with verbatim():
         text(value, color)
+
+
+def wrapped_text(value: str, color: Rgba | None = None) -> None:
+    """Text in as many lines as the panel's width asks for."""
+    imgui.push_text_wrap_pos(0.0)
+    text(value, color)
+    imgui.pop_text_wrap_pos()
 
 
 def flow(width: float, gap: float = 1.0) -> None:
@@ -35,7 +46,7 @@ def flow(width: float, gap: float = 1.0) -> None:
         imgui.new_line()
 
 
-def flow_text(value: str, color: Rgba = theme.TEXT, hint: str = "", *, gap: float = 1.0) -> None:
+def flow_text(value: str, color: Rgba | None = None, hint: str = "", *, gap: float = 1.0) -> None:
     """Text that goes on in the line, or in the next one where it does not fit."""
     flow(imgui.calc_text_size(value).x, gap)
     text(value, color)
@@ -113,10 +124,12 @@ def section(ui: Ui, title: str, *, opened: bool = True) -> bool:
 
 @contextmanager
 def property_grid(name: str) -> Iterator[bool]:
-    """Two columns, labels and widgets. Yields False when it is clipped away; then draw nothing."""
+    """Two columns, labels and widgets; in a narrow panel one, each label above its widget. Yields False when it is
+    clipped away; then draw nothing."""
     flags = imgui.TableFlags_.sizing_stretch_prop | imgui.TableFlags_.no_saved_settings
-    shown = bool(imgui.begin_table(name, 2, flags))
-    if shown:
+    stacked = imgui.get_content_region_avail().x < em(NARROW)
+    shown = bool(imgui.begin_table(f"{name}##stacked" if stacked else name, 1 if stacked else 2, flags))
+    if shown and not stacked:
         imgui.table_setup_column("name", imgui.TableColumnFlags_.width_stretch, 0.38)
         imgui.table_setup_column("value", imgui.TableColumnFlags_.width_stretch, 0.62)
     yield shown
@@ -129,14 +142,16 @@ def property_row(label: str, doc: str = "", *, changed: bool = False, menu: Call
     `menu` draws what a right click on the label opens."""
     imgui.table_next_row()
     imgui.table_next_column()
-    imgui.align_text_to_frame_padding()
     shown = fitted(label, imgui.get_content_region_avail().x)
+    if imgui.table_get_column_count() > 1:
+        imgui.align_text_to_frame_padding()
     text(shown, theme.TEXT if changed else theme.DIM)
     tooltip(doc if shown == label else f"{label}\n{doc}")
     if menu is not None and imgui.begin_popup_context_item("menu"):
         menu()
         imgui.end_popup()
-    imgui.table_next_column()
+    if imgui.table_get_column_count() > 1:
+        imgui.table_next_column()
     imgui.set_next_item_width(-1)
 
 
@@ -148,6 +163,18 @@ def cut(value: str, width: float) -> str:
     while letters > 1 and imgui.calc_text_size(f"{value[:letters]}…").x > width:
         letters -= max(1, letters // 20)
     return f"{value[:letters]}…"
+
+
+def wrapped(value: str, width: float) -> list[str]:
+    """`value` in lines of at most `width` imgui units, broken between words."""
+    rows: list[str] = []
+    for word in value.split(" "):
+        longer = f"{rows[-1]} {word}" if rows else word
+        if rows and imgui.calc_text_size(longer).x <= width:
+            rows[-1] = longer
+        else:
+            rows.append(word)
+    return rows
 
 
 def fitted(value: str, width: float) -> str:
@@ -168,7 +195,7 @@ def shortened(value: str, letters: int) -> str:
     return f"{value[:head]}…{value[len(value) - tail :]}"
 
 
-def fitted_text(value: str, color: Rgba = theme.TEXT, *, more: str = "") -> None:
+def fitted_text(value: str, color: Rgba | None = None, *, more: str = "") -> None:
     """Text that fits into what is left of the line; the whole of it and `more` in a tooltip."""
     shown = fitted(value, imgui.get_content_region_avail().x)
     text(shown, color)
@@ -186,13 +213,14 @@ def empty_state(icon: str, line: str, more: str = "") -> None:
     """What a panel shows when there is nothing to show: centred, quiet, says what to do."""
     size = imgui.get_content_region_avail()
     start = imgui.get_cursor_pos()
-    lines = [icon, line, *([more] if more else [])]
+    parts = [icon, tr(line), *([tr(more)] if more else [])]
+    lines = [(i, row) for i, part in enumerate(parts) for row in wrapped(part, size.x)]
     height = imgui.get_text_line_height_with_spacing() * len(lines)
     y = start.y + max(0.0, (size.y - height) * 0.42)
-    for i, part in enumerate(lines):
-        width = imgui.calc_text_size(part).x
+    for i, row in lines:
+        width = imgui.calc_text_size(row).x
         imgui.set_cursor_pos((start.x + max(0.0, (size.x - width) * 0.5), y))
-        text(part, theme.FAINT if i == 0 else theme.DIM)
+        own_text(row, theme.FAINT if i == 0 else theme.DIM)
         y += imgui.get_text_line_height_with_spacing()
 
 

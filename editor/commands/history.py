@@ -137,6 +137,11 @@ class History:
         return tuple(self._done)
 
     @property
+    def last(self) -> Edit | None:
+        """The entry that undo would take back."""
+        return self._done[-1] if self._done else None
+
+    @property
     def undone(self) -> tuple[Edit, ...]:
         """What redo would do again, the next first."""
         return tuple(reversed(self._undone))

@@ -63,7 +63,13 @@ class StructureCommand:
 
     def apply(self, document: Document) -> None:
         """Bring the document to the state after this command."""
-        put(document.runtime.scene, self.patch.after)
+        scene = document.runtime.scene
+        put(scene, self.patch.after)
+        objects = getattr(document.runtime, "objects", None)
+        if objects is not None:
+            rows = self.patch.after.tables["instances"].rows
+            nodes = scene.instances.node[rows[rows < len(scene.instances)]].tolist()
+            objects.agree(sorted({*nodes, *self.patch.after.sources}))
         document.overrides = dict(self.overrides[1])
         document.selection = self.selection[1]
 

@@ -1,14 +1,15 @@
 """The import card: beside the picture after an import, until it is put away: what came in, what is odd about it, and
-buttons that mend the usual mistakes. No modal: everything else goes on."""
+buttons that mend the usual mistakes. No modal: everything else goes on, and the first thing that the user does folds
+the card to one line (import_card_place.py)."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 
 from imgui_bundle import imgui
 
 from editor import icons, import_settings, theme
+from editor.dialogs.import_card_place import EDGE, Folding, placed
 from editor.import_settings import FIXES, can_import
 from editor.panels.viewport import ViewportPanel
 from editor.reimporting import stamp_of
@@ -21,30 +22,11 @@ from importers.settings import ImportSettings
 
 #: findings and orphans that are listed; of more, their count
 LISTED = 6
-#: em: how wide it is at most; from the viewport's edge; where it begins; the bars above the picture; worth showing
-WIDTH, EDGE, TOP, BARS, LEAST = 23.0, 0.8, 13.5, 5.0, 15.0
 FLAGS = (
     imgui.WindowFlags_.no_saved_settings | imgui.WindowFlags_.no_docking | imgui.WindowFlags_.always_auto_resize
     | imgui.WindowFlags_.no_focus_on_appearing | imgui.WindowFlags_.no_nav | imgui.WindowFlags_.no_title_bar
     | imgui.WindowFlags_.no_move
 )  # fmt: skip
-
-
-@dataclass(frozen=True, slots=True)
-class Place:
-    """em; `height`: at most, the rest is scrolled to. `whole`: there is room for more than a line."""
-
-    top: float
-    width: float
-    height: float
-    whole: bool
-
-
-def placed(width: float, height: float) -> Place:
-    """Where the card goes in a viewport of that size (em): below the axes where there is room, else further up."""
-    top = max(min(TOP, height - LEAST), BARS)
-    room = height - top - EDGE
-    return Place(top, max(min(WIDTH, width - 2.0 * EDGE), 8.0), max(room, 2.4), room >= LEAST - BARS)
 
 
 class ImportCard:
@@ -54,8 +36,7 @@ class ImportCard:
         self._key: object = None
         self._facts: dict[str, str] = {}
         self._read: tuple[object, ImportSettings] | None = None
-        #: whether all of it is shown, as somebody chose; None: as there is room
-        self._whole: bool | None = None
+        self.folding = Folding()
 
     def draw(self, ui: Ui) -> None:
         session = ui.session
@@ -63,26 +44,32 @@ class ImportCard:
         if not session.ui.import_card or session.ui.welcome or document is None or not can_import(session):
             return
         assert document.imported_from is not None
-        key = (id(document.runtime), document.history.revision)
-        if key != self._key:
-            self._key, self._facts = key, import_settings.facts(document)
         area = imgui.get_main_viewport()
         found = imgui.internal.find_window_by_name(f"###{ViewportPanel.title}")
         pos, size = (found.pos, found.size) if found is not None else (area.pos, area.size)
         place = placed(size.x / em(1), size.y / em(1))
+        if session.ui.import_card_opened:
+            session.ui.import_card_opened = False
+            self.folding.choose(whole=True)
+        deed = document.selection, document.history.revision, session.camera
+        self.folding.follow(document.news or document, deed, busy=session.importing is not None)
+        whole = place.whole if self.folding.whole is None else self.folding.whole
+        name = f"{icons.MESH}  {fitted(document.imported_from.name, em(place.width - 6.5))}"
+        with bold(ui):
+            line = imgui.calc_text_size(name).x / em(1)
+        width = place.width if whole else min(max(line + 6.0, 10.0), place.width)
         imgui.set_next_window_pos(
-            (pos.x + size.x - em(EDGE), pos.y + em(place.top)), imgui.Cond_.always, (1.0, 0.0)
-        )  # fmt: skip
-        imgui.set_next_window_size_constraints((em(place.width), 0), (em(place.width), em(place.height)))
+            (pos.x + size.x - em(EDGE), pos.y + em(place.top if whole else place.line)), imgui.Cond_.always, (1.0, 0.0)
+        )
+        imgui.set_next_window_size_constraints((em(width), 0), (em(width), em(place.height)))
         imgui.set_next_window_bg_alpha(0.95)
         imgui.begin(self.NAME, None, FLAGS)
         with bold(ui):
-            imgui.text_unformatted(f"{icons.MESH}  {fitted(document.imported_from.name, em(place.width - 6.5))}")
-        imgui.same_line(em(place.width - 4.2))
-        whole = place.whole if self._whole is None else self._whole
+            imgui.text_unformatted(name)
+        imgui.same_line(em(width - 4.2))
         if imgui.small_button("–" if whole else "+"):
-            self._whole = not whole
-        tooltip("Its name only" if whole else "All of it")
+            self.folding.choose(whole=not whole)
+        tooltip("Its name only" if whole else "All of it: size, warnings, what mends the usual mistakes")
         imgui.same_line(0, em(0.3))
         if imgui.small_button("×"):
             session.ui.import_card = False
@@ -90,6 +77,9 @@ class ImportCard:
         if not whole:
             imgui.end()
             return
+        key = (id(document.runtime), document.history.revision)
+        if key != self._key:
+            self._key, self._facts = key, import_settings.facts(document)
         for name, value in self._facts.items():
             text(name, theme.DIM)
             imgui.same_line(em(5.2))

@@ -124,6 +124,7 @@ class Notice:
         age = imgui.get_time() - self._since
         if age > NOTICE_SECONDS:
             return
+        ui.again_in(NOTICE_SECONDS - age + 0.02)
         viewport = imgui.get_main_viewport()
         imgui.set_next_window_pos(
             (viewport.pos.x + viewport.size.x * 0.5, viewport.pos.y + viewport.size.y - em(3.4)), 0, (0.5, 1.0)

@@ -3,6 +3,7 @@ filters. Double click opens; files dropped on the window open too; what is dragg
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import ClassVar
 
@@ -11,27 +12,28 @@ from imgui_bundle import imgui
 from editor import asset_thumbnails as pictures
 from editor import dropping, icons, material_editing, theme
 from editor.asset_thumbnails import Thumbnail
+from editor.flowing import button_width
 from editor.panels.base import ASSET, Panel
 from editor.panels.folder_listing import Entry, FolderListing, can_open, size_text
 from editor.session import shader_root
 from editor.thumbnail_maker import ANIMATIONS, EFFECTS, ENVIRONMENTS, MATERIALS, MODELS, TEXTURES, sort_of
 from editor.ui import Ui
-from editor.widgets import em, empty_state, fitted, icon_button, pretty, search_field, text, tooltip
+from editor.widgets import em, empty_state, fitted, flow, icon_button, pretty, search_field, text, tooltip
 from engine.core.errors import LucarnaError
 from importers.project.references import project_root
 
 KIND_LOOKS = {
-    "folder": (icons.FOLDER, theme.rgb("#c9a46a")),
-    "project": (icons.APP, theme.ACCENT),
-    "scene": (icons.TREE, theme.GOOD),
-    "source": (icons.MESH, theme.INFO),
-    "picture": (icons.PICTURE, theme.rgb("#b58ad0")),
-    "engine": (icons.MATERIAL, theme.rgb("#7fbdb4")),
-    "file": (icons.FILE, theme.FAINT),
+    "folder": (icons.FOLDER, "#c9a46a"),
+    "project": (icons.APP, "ACCENT"),
+    "scene": (icons.TREE, "GOOD"),
+    "source": (icons.MESH, "INFO"),
+    "picture": (icons.PICTURE, "#b58ad0"),
+    "engine": (icons.MATERIAL, "#7fbdb4"),
+    "file": (icons.FILE, "FAINT"),
 }
 SORT_LOOKS = {
-    TEXTURES: KIND_LOOKS["picture"], ENVIRONMENTS: (icons.ENVIRONMENT, theme.rgb("#8fb8d8")),
-    MATERIALS: KIND_LOOKS["engine"], EFFECTS: (icons.CODE, theme.rgb("#7fbdb4")), ANIMATIONS: (icons.FILM, theme.DIM),
+    TEXTURES: KIND_LOOKS["picture"], ENVIRONMENTS: (icons.ENVIRONMENT, "#8fb8d8"),
+    MATERIALS: KIND_LOOKS["engine"], EFFECTS: (icons.CODE, "#7fbdb4"), ANIMATIONS: (icons.FILM, "DIM"),
 }  # fmt: skip
 SORTS = ("", MODELS, MATERIALS, TEXTURES, ENVIRONMENTS, EFFECTS, ANIMATIONS)
 VIEWS = {"tree": icons.TREE, "list": icons.INSPECT, "grid": icons.GRID}
@@ -77,6 +79,10 @@ class AssetsPanel(Panel):
             self._many(ui, listing.entries(root / self.folder), root / self.folder)
         imgui.end_child()
 
+    def watched(self) -> Iterable[Path]:
+        """The folders that are listed, and files whose pictures are shown."""
+        return self._listing.known() if self._listing is not None and self._root is not None else ()
+
     # --- above the files ---
 
     def _bar(self, ui: Ui) -> None:
@@ -97,10 +103,12 @@ class AssetsPanel(Panel):
             imgui.end_popup()
         for name, icon in VIEWS.items():
             shown = preferences.assets_view == name or (name == "tree" and preferences.assets_view not in VIEWS)
+            if name != "tree":
+                flow(button_width(icon), 0.05)
             if icon_button(f"{icon}###view-{name}", f"As a {name}", active=shown):
                 preferences.assets_view = name
                 ui.session.remember()
-            imgui.same_line(0, em(0.05))
+        flow(em(3), 0.05)
         imgui.set_next_item_width(-1)
         changed, size = imgui.slider_float("##size", preferences.assets_size, 24.0, 192.0, "")
         if changed:
@@ -131,7 +139,7 @@ class AssetsPanel(Panel):
             if entry.kind == "folder":
                 imgui.set_next_item_open(depth == 0 and entry.name in {"assets", "scenes"}, imgui.Cond_.once)
                 icon, color = KIND_LOOKS["folder"]
-                imgui.push_style_color(imgui.Col_.text, imgui.ImVec4(*color))
+                imgui.push_style_color(imgui.Col_.text, imgui.ImVec4(*theme.named(color)))
                 opened = imgui.tree_node_ex(f"{icon}###{entry.path}", imgui.TreeNodeFlags_.span_avail_width)
                 imgui.pop_style_color()
                 self._drop_into(ui, entry.path)
@@ -356,7 +364,7 @@ def _draw_picture(entry: Entry, found: Thumbnail, at: tuple[float, float], size:
     wide = imgui.calc_text_size(icon).x * font / imgui.get_font_size()
     middle = (at[0] + 0.5 * (size - wide), at[1] + 0.5 * (size - font))
     faint = 0.35 if sign is not None and large else 1.0
-    lines.add_text(imgui.get_font(), font, middle, theme.u32(color, faint), icon)
+    lines.add_text(imgui.get_font(), font, middle, theme.u32(theme.named(color), faint), icon)
     if sign is not None:
         corner = (end[0] - em(1.2), end[1] - em(1.2)) if large else (end[0] - em(0.35), end[1] - em(0.75))
         lines.add_text(imgui.get_font(), em(1.0 if large else 0.6), corner, theme.u32(sign[1]), sign[0])

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Iterable
+from pathlib import Path
 from typing import ClassVar
 
 from editor.strings import tr
@@ -32,4 +34,9 @@ class Panel(ABC):
 
     @abstractmethod
     def draw(self, ui: Ui) -> None:
-        """Draw the content of the window, inside its begin/end."""
+        """Draw the content of the window, inside its begin/end. The window draws only when something happens: what
+        moves by itself says `ui.again_in(seconds)` each time."""
+
+    def watched(self) -> Iterable[Path]:
+        """Files and folders whose change should bring a frame while nothing else happens."""
+        return ()

@@ -10,12 +10,14 @@ from imgui_bundle import imgui, implot
 from numpy.typing import NDArray
 
 from editor import icons, theme
+from editor.flowing import button_width, flow_field
 from editor.material_editing import materials_of
 from editor.panels.base import Panel
 from editor.panels.report import ensure_context
+from editor.strings import tr
 from editor.tables import material_values
 from editor.ui import Ui
-from editor.widgets import em, empty_state, fitted, fitted_text, icon_button, text, tooltip
+from editor.widgets import em, empty_state, fitted, fitted_text, flow, flow_text, icon_button, text, tooltip
 from engine.materials.lobe_plots import DECADES, LobePlots, half_angles, plots_of
 
 F8 = NDArray[np.float64]
@@ -79,25 +81,24 @@ class BrdfExplorerPanel(Panel):
             self.pinned = -1 if self.pinned >= 0 else material
         imgui.same_line(0, em(0.4))
         imgui.align_text_to_frame_padding()
-        text(fitted(f"{record.asset.name or 'material'} ({record.effect.name})", em(14)))
-        imgui.same_line(0, em(0.8))
-        imgui.set_next_item_width(em(9))
+        name = f"{record.asset.name or 'material'} ({record.effect.name})"
+        text(fitted(name, min(em(14), imgui.get_content_region_avail().x)))
+        flow_field(9, gap=0.8)
         changed, value = imgui.slider_float("##incidence", self.incidence, 0.0, 89.0, "light at %.0f°")
         tooltip("Angle of the light from the normal; its mirror direction is to the right")
         if changed:
             self.incidence = float(value)
-        imgui.same_line(0, em(0.6))
+        flow(button_width(tr("Logarithmic")) + em(1.5), 0.6)
         _, self.logarithmic = imgui.checkbox("Logarithmic", self.logarithmic)
         tooltip(f"The lobe over {DECADES:.0f} decades, or linear to its greatest value")
         if "anisotropy" in record.asset.features:
-            imgui.same_line(0, em(0.6))
+            flow(button_width(tr("Across the grain")) + em(1.5), 0.6)
             _, self.across = imgui.checkbox("Across the grain", self.across)
             tooltip("The slice lies along the bitangent instead of the tangent")
         if self.plots is not None:
             least, most = self.plots.furnace_error
-            imgui.same_line(0, em(0.8))
             good = most <= 0.005
-            text(f"furnace {least:+.3f} to {most:+.3f}", theme.DIM if good else theme.WARNING)
+            flow_text(f"furnace {least:+.3f} to {most:+.3f}", theme.DIM if good else theme.WARNING, gap=0.8)
             notes = "\n".join(self.plots.notes)
             tooltip("What a white lobe loses, or above 0 makes, of the light it gets" + (f"\n{notes}" if notes else ""))
 

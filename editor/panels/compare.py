@@ -8,9 +8,10 @@ from imgui_bundle import imgui
 
 from editor import icons, theme
 from editor.comparing.comparing import DIFFERENCE, ONLY_A, WIPE
+from editor.flowing import flow_button
 from editor.panels.base import Panel
 from editor.ui import Ui
-from editor.widgets import em, empty_state, flow, property_grid, property_row, property_text, text, tooltip
+from editor.widgets import empty_state, property_grid, property_row, property_text, text, tooltip, wrapped_text
 from engine.render.lighting import PATH_CHOICES
 
 MODES = ((WIPE, "Wipe"), (ONLY_A, "A alone"), (DIFFERENCE, "Difference"))
@@ -28,18 +29,14 @@ class ComparePanel(Panel):
             empty_state(icons.COMPARE, "Nothing open")
             return
         a = session.comparing.moment(session)
-        if _button(ui, "compare.take", "Take A"):
+        if _button(ui, "compare.take", "Take A", first=True):
             return
         if a is not None:
             for mode, label in MODES:
-                flow(em(6), 0.4)
                 id = "compare.flip" if mode == ONLY_A else f"compare.{mode}"
                 _button(ui, id, label, active=session.comparing.showing(session) == mode)
-            flow(em(6), 0.4)
             _button(ui, "compare.go-back", "Go back to A")
-            flow(em(5), 0.4)
             _button(ui, "compare.measure", "Measure")
-            flow(em(5), 0.4)
             _button(ui, "compare.clear", "Forget")
         imgui.spacing()
         self._numbers(ui)
@@ -47,14 +44,13 @@ class ComparePanel(Panel):
         text("This path against", theme.DIM)
         for path in PATH_CHOICES:
             if path != "auto":
-                flow(em(6), 0.5)
-                _button(ui, f"compare.path-{path}", path)
+                _button(ui, f"compare.path-{path}", path, first=path == PATH_CHOICES[1])
 
     def _numbers(self, ui: Ui) -> None:
         session = ui.session
         comparing, a = session.comparing, session.comparing.moment(session)
         if a is None:
-            text(
+            wrapped_text(
                 "A is a state to look back at: edits, render settings, path. Take it, change something, wipe.",
                 theme.DIM,
             )
@@ -91,18 +87,13 @@ class ComparePanel(Panel):
             property_text("Pixels that differ", f"{share:.3g} % of {difference.width} × {difference.height}")
 
 
-def _button(ui: Ui, id: str, label: str, *, active: bool = False) -> bool:
+def _button(ui: Ui, id: str, label: str, *, active: bool = False, first: bool = False) -> bool:
     """The operation as a button; True when it ran."""
     operation = ui.operations[id]
-    imgui.begin_disabled(not operation.enabled(ui.session))
-    if active:
-        imgui.push_style_color(imgui.Col_.text, imgui.ImVec4(*theme.ACCENT))
-    pressed = bool(imgui.button(f"{label}##{id}"))
-    if active:
-        imgui.pop_style_color()
-    imgui.end_disabled()
     key = f" ({operation.shortcuts[0]})" if operation.shortcuts else ""
-    tooltip(f"{operation.label}{key}\n{operation.doc}".strip())
+    hint = f"{operation.label}{key}\n{operation.doc}".strip()
+    enabled = operation.enabled(ui.session)
+    pressed = flow_button(f"{label}##{id}", hint, first=first, active=active, enabled=enabled)
     return pressed and ui.operations.run(id, ui.session)
 
 

@@ -13,7 +13,7 @@ from editor.ui import Ui
 from editor.widgets import em, icon_button, mono, own_text, text
 
 #: "did": what was done elsewhere in the window, as the line that does it here
-COLORS = {"did": theme.FAINT, "in": theme.TEXT, "out": theme.DIM, "error": theme.ERROR}
+COLORS = {"did": "FAINT", "in": "TEXT", "out": "DIM", "error": "ERROR"}
 
 
 class ConsolePanel(Panel):
@@ -39,7 +39,7 @@ class ConsolePanel(Panel):
                 if not console.lines:
                     text('run("edit.duplicate")   edit("nodes", "translation", selection(), [(0, 1, 0)])', theme.FAINT)
                 for line in console.lines:
-                    own_text(f"> {line.text}" if line.kind == "in" else line.text, COLORS[line.kind])
+                    own_text(f"> {line.text}" if line.kind == "in" else line.text, theme.named(COLORS[line.kind]))
                 if len(console.lines) != self._count:
                     self._count = len(console.lines)
                     imgui.set_scroll_here_y(1.0)

@@ -53,6 +53,11 @@ class FolderListing:
         self._stamps: dict[Path, tuple[float, tuple[int, int]]] = {}
         self._found: tuple[object, float, list[Entry]] = (None, 0.0, [])
 
+    def known(self) -> Iterator[Path]:
+        """What was listed and looked at."""
+        yield from self._cache
+        yield from self._stamps
+
     def stamp(self, path: Path) -> tuple[int, int]:
         """(modification time in ns, size) of a file, not older than STANDS; (0, 0) where it is gone."""
         now = time.monotonic()

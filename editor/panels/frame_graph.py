@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 from imgui_bundle import imgui
 
 from editor import icons, theme
+from editor.flowing import flow_button
 from editor.graph_layout import Box, Diagram, Edge, diagram
 from editor.panels.base import Panel
 from editor.panels.timings import UNACCOUNTED, time_rows
@@ -89,16 +90,13 @@ class FrameGraphPanel(Panel):
             if imgui.small_button("Cancel##measure"):
                 ui.operations.run("view.cancel-work", session)
             return
-        if imgui.small_button(f"{icons.COPY}##copy-graph"):
+        if imgui.button(f"{icons.COPY}##copy-graph"):
             session.ui.copy_text = session.image.frame.graph.dump()
             session.ui.notice = "Copied the frame graph"
         tooltip("Copy as text")
-        imgui.same_line(0, em(0.4))
-        imgui.begin_disabled(session.work is not None)
-        if imgui.small_button(f"{icons.TIMER}  Measure what is left out"):
+        hint = "Draws some frames with nothing left out, and as many as it is, and compares"
+        if flow_button(f"{icons.TIMER}  Measure what is left out", hint, enabled=session.work is None):
             ui.operations.run("view.measure-left-out", session)
-        imgui.end_disabled()
-        tooltip("Draws some frames with nothing left out, and as many as it is, and compares")
         if cost is None:
             return
         gain = cost.forced_ms - cost.pruned_ms

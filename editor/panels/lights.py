@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 from editor import icons, theme
 from editor.commands import lights
 from editor.document import Document
+from editor.flowing import wide_button
 from editor.panels.base import Panel
 from editor.param_widgets import param_row
 from editor.ui import Ui
-from editor.widgets import em, empty_state, pretty, property_grid, property_row, section, text
+from editor.widgets import empty_state, pretty, property_grid, property_row, section, wrapped_text
 from engine.core.errors import LucarnaError
 from engine.core.param import Param
 from engine.scene.arrays import OF_SHAPE, ArraySettings
@@ -47,7 +48,7 @@ class LightsPanel(Panel):
     def _present(self, document: Document) -> None:
         table = document.runtime.scene.lights
         shining = len(table.shining())
-        text(f"{table.alive_count:,} lights, {shining:,} of them shining", theme.DIM)
+        wrapped_text(f"{table.alive_count:,} lights, {shining:,} of them shining", theme.DIM)
         imgui.spacing()
 
     def _scatter(self, ui: Ui, document: Document) -> None:
@@ -62,7 +63,7 @@ class LightsPanel(Panel):
                     if field.name == "box" and new:  # begin with what it would have been
                         settings.box_low, settings.box_high = (_round(v) for v in lights.box_of(document))
         where = "the box" if settings.box else "the selection" if document.selection else "the whole scene"
-        if imgui.button(f"{icons.LIGHT}  Scatter over {where}###scatter", (-1, em(2.0))):
+        if wide_button(f"{icons.LIGHT}  Scatter over {where}###scatter"):
             try:
                 lights.scatter(document, settings)
                 if settings.drift > 0.0 and not ui.session.playback.playing:
@@ -79,15 +80,13 @@ class LightsPanel(Panel):
                     changed, new = _row(field, getattr(array, field.name), "array")
                     if changed:
                         setattr(array, field.name, new)
-        imgui.begin_disabled(not document.selection)
-        if imgui.button(f"Make {array.total:,} of the selection###array", (-1, em(2.0))):
+        if wide_button(f"Make {array.total:,} of the selection###array", enabled=bool(document.selection)):
             try:
                 lights.array(document, document.selection, array)
             except LucarnaError as error:
                 ui.session.fail(error)
-        imgui.end_disabled()
         if not document.selection:
-            text("Select what is to be repeated", theme.DIM)
+            wrapped_text("Select what is to be repeated", theme.DIM)
 
 
 def _scatter_has(settings: ScatterSettings, name: str) -> bool:

@@ -7,16 +7,17 @@ from typing import ClassVar
 from imgui_bundle import imgui
 
 from editor import icons, theme
+from editor.flowing import button_width
 from editor.messages import Message
 from editor.panels.base import Panel
 from editor.ui import Ui
-from editor.widgets import em, icon_button, mono, text, tooltip
+from editor.widgets import em, flow, icon_button, mono, text, tooltip
 from engine.core.findings import Severity
 
 LOOKS = {
-    Severity.ERROR: (icons.ERROR, theme.ERROR, "errors"),
-    Severity.WARNING: (icons.WARNING, theme.WARNING, "warnings"),
-    Severity.INFO: (icons.INFO, theme.INFO, "messages"),
+    Severity.ERROR: (icons.ERROR, "ERROR", "errors"),
+    Severity.WARNING: (icons.WARNING, "WARNING", "warnings"),
+    Severity.INFO: (icons.INFO, "INFO", "messages"),
 }
 
 
@@ -40,15 +41,19 @@ class LogPanel(Panel):
     def draw(self, ui: Ui) -> None:
         messages = ui.session.messages
         counts = messages.counts()
-        for severity, (icon, color, name) in LOOKS.items():
+        for place, (severity, (icon, color, name)) in enumerate(LOOKS.items()):
+            if place:
+                flow(button_width(f"{icon} {counts[severity]}"), 0.3)
             on = severity in self.shown
-            imgui.push_style_color(imgui.Col_.text, imgui.ImVec4(*(color if on and counts[severity] else theme.FAINT)))
+            imgui.push_style_color(
+                imgui.Col_.text, imgui.ImVec4(*(theme.named(color) if on and counts[severity] else theme.FAINT))
+            )
             imgui.push_style_color(imgui.Col_.button, imgui.ImVec4(*(theme.RAISED if on else theme.PANEL)))
             if imgui.button(f"{icon} {counts[severity]}###{name}"):
                 self.shown.symmetric_difference_update({severity})
             imgui.pop_style_color(2)
             tooltip(f"Show {name}")
-            imgui.same_line(0, em(0.3))
+        flow(em(11.2), 0.3)
         imgui.set_next_item_width(-em(5.2))
         _changed, self.needle = imgui.input_text_with_hint("##filter", f"{icons.SEARCH}  Filter", self.needle)
         key = (messages.revision, frozenset(self.shown), self.needle)
@@ -85,9 +90,9 @@ class LogPanel(Panel):
         imgui.same_line(start)
         text(message.clock, theme.FAINT)
         imgui.same_line(0, em(0.6))
-        text(icon, color)
+        text(icon, theme.named(color))
         imgui.same_line(0, em(0.5))
-        text(message.text, theme.TEXT if message.severity is not Severity.INFO else theme.rgb("#c3c8d0"))
+        text(message.text, theme.TEXT)
         if message.where:
             imgui.same_line(0, em(0.6))
             text(message.where, theme.DIM)

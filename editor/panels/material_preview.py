@@ -8,12 +8,13 @@ from typing import ClassVar
 from imgui_bundle import imgui
 
 from editor import icons, theme
+from editor.flowing import button_width, flow_field
 from editor.panels.base import ASSET, Panel
 from editor.preview import BACKDROPS, FILE, LIGHTS, MESH, SELECTED, Preview
 from editor.requests import ChooseFile
 from editor.session import shader_root
 from editor.ui import Ui
-from editor.widgets import em, empty_state, fitted_text, icon_button, pretty, text, tooltip
+from editor.widgets import em, empty_state, fitted_text, flow, icon_button, pretty, text, tooltip
 from engine.assets.preview_shapes import SHAPES
 
 WHEEL_STEP = 0.88
@@ -54,8 +55,7 @@ class MaterialPreviewPanel(Panel):
             preview.pinned = -1 if pinned else preview.subject(session)
         imgui.same_line(0, em(0.2))
         self._materials(ui, preview)
-        imgui.same_line(0, em(0.3))
-        imgui.set_next_item_width(em(8.5))
+        flow_field(8.5, gap=0.3)
         if imgui.begin_combo("##shape", self._shape_label(preview)):
             for name in SHAPES:
                 if imgui.selectable(LABELS.get(name, pretty(name)), setup.shape == name)[0]:
@@ -78,11 +78,11 @@ class MaterialPreviewPanel(Panel):
             tooltip("Or drop a model from Assets on the picture")
             imgui.end_combo()
         tooltip("What the material is put on")
-        imgui.same_line(0, em(0.3))
+        flow(button_width(icons.EXPOSURE), 0.3)
         if icon_button(f"{icons.EXPOSURE}###light", "Light and background"):
             imgui.open_popup("light")
         self._light(preview)
-        imgui.same_line(0, em(0.1))
+        flow(button_width(icons.RESET), 0.1)
         if icon_button(f"{icons.RESET}###again", "Frame and light it as at first (double click)"):
             preview.look_again()
         imgui.same_line(0, em(0.3))
@@ -94,7 +94,8 @@ class MaterialPreviewPanel(Panel):
         assert session.document is not None
         records = session.document.runtime.residency.materials.records
         shown = preview.subject(session)
-        imgui.set_next_item_width(max(imgui.get_content_region_avail().x - em(15.8), em(4)))
+        room = imgui.get_content_region_avail().x
+        imgui.set_next_item_width(max(room - em(15.8), min(room, em(7))))
         if imgui.begin_combo("##material", records[shown].asset.name or f"material {shown}"):
             for index, record in enumerate(records):
                 name = record.asset.name or f"material {index}"

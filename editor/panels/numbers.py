@@ -7,10 +7,11 @@ from typing import ClassVar
 from imgui_bundle import imgui
 
 from editor import icons, numbers, theme
+from editor.flowing import button_width
 from editor.panels.base import Panel
 from editor.panels.timings import short_count
 from editor.ui import Ui
-from editor.widgets import em, empty_state, fitted, icon_button, mono, text, tooltip
+from editor.widgets import em, empty_state, fitted, flow, flow_text, icon_button, mono, text, tooltip
 from engine.report.number_check import HIGHEST, NumberReport, NumberRow
 
 #: (heading, width in em, what it says)
@@ -49,7 +50,7 @@ class NumbersPanel(Panel):
         tooltip("Looks into every texture right after its pass: costs time, so it is off by default")
         if changed:
             ui.operations.run("view.check-numbers", session)
-        imgui.same_line(0, em(1))
+        flow(button_width("Mark the pixels") + em(1.5))
         imgui.begin_disabled(not on)
         changed, _ = imgui.checkbox("Mark the pixels", session.settings.values().get("view") == numbers.VIEW)
         imgui.end_disabled()
@@ -59,9 +60,8 @@ class NumbersPanel(Panel):
         found = numbers.report(session)
         if found is None:
             return
-        imgui.same_line(0, em(1))
-        text(numbers.summary(found), theme.GOOD if found.first is None else theme.ERROR)
-        imgui.same_line(0, em(0.6))
+        flow_text(numbers.summary(found), theme.GOOD if found.first is None else theme.ERROR)
+        flow(button_width(icons.COPY), 0.6)
         if icon_button(f"{icons.COPY}##copy-numbers", "Copy as text"):
             session.ui.copy_text = "\n".join(found.lines())
             session.ui.notice = "Copied what was found"

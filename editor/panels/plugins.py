@@ -14,7 +14,7 @@ from editor.strings import tr
 from editor.ui import Ui
 from editor.widgets import bold, em, empty_state, fitted_text, property_grid, text, tooltip
 
-COLORS = {"on": theme.GOOD, "failed": theme.ERROR, "waits": theme.WARNING, "off": theme.FAINT}
+COLORS = {"on": "GOOD", "failed": "ERROR", "waits": "WARNING", "off": "FAINT"}
 WORDS = {"on": "on", "failed": "failed", "waits": "waits for your word", "off": "off"}
 
 
@@ -52,7 +52,7 @@ class PluginsPanel(Panel):
         with bold(ui):
             text(loaded.name)
         imgui.same_line(0, em(0.8))
-        text(tr(WORDS[loaded.state]), COLORS[loaded.state])
+        text(tr(WORDS[loaded.state]), theme.named(COLORS[loaded.state]))
         tooltip(loaded.found.source)
         if loaded.error:
             imgui.push_text_wrap_pos(0.0)

@@ -8,6 +8,7 @@ from typing import ClassVar
 from imgui_bundle import imgui
 
 from editor import icons, theme
+from editor.flowing import button_width, flow_button
 from editor.keymap import PRESET_KEYS
 from editor.keys import pressed_shortcut, shown_shortcut
 from editor.operations import Operation, match_score
@@ -15,7 +16,18 @@ from editor.panels.base import Panel
 from editor.requests import ChooseFile
 from editor.strings import LANGUAGES, tr, verbatim
 from editor.ui import Ui
-from editor.widgets import em, icon_button, pretty, property_grid, property_row, search_field, section, text, tooltip
+from editor.widgets import (
+    em,
+    flow,
+    icon_button,
+    pretty,
+    property_grid,
+    property_row,
+    search_field,
+    section,
+    text,
+    tooltip,
+)
 from engine.core.errors import LucarnaError
 from engine.core.paths import user_config_dir
 
@@ -66,21 +78,19 @@ class PreferencesPanel(Panel):
     def _keymap(self, ui: Ui) -> None:
         keymap = ui.keymap
         for preset in PRESET_KEYS:
+            if preset != next(iter(PRESET_KEYS)):
+                flow(button_width(tr(pretty(preset))) + em(1.5), 0.8)
             if imgui.radio_button(pretty(preset), keymap.preset == preset):
                 ui.operations.run(f"help.keymap-{preset}", ui.session)
                 keymap.apply()
-            imgui.same_line(0, em(0.8))
-        imgui.new_line()
-        if imgui.button(f"{tr('Reset all')}###reset-keys"):
+        if flow_button("Reset all##reset-keys", first=True):
             keymap.reset()
             ui.session.remember()
-        imgui.same_line()
-        if imgui.button(f"{tr('Import')}…##import-keys"):
+        if flow_button(f"{tr('Import')}…##import-keys"):
             ui.session.ui.choose = ChooseFile(tr("Import keys"), (".json",), Path.home(), lambda path: _take(ui, path))
-        imgui.same_line()
-        if imgui.button(f"{tr('Export')}##export-keys"):
+        if flow_button("Export##export-keys"):
             ui.operations.run("help.export-keymap", ui.session, path=str(user_config_dir() / "lucarna-keys.json"))
-        imgui.same_line()
+        flow(button_width(tr("Changed ones only")) + em(1.5), 0.8)
         _, self.changed_only = imgui.checkbox("Changed ones only", self.changed_only)
         self.needle = search_field("##keys", self.needle, "Name of an operation, or a key such as Ctrl+D")
         if self.waiting:
@@ -144,11 +154,9 @@ class PreferencesPanel(Panel):
             others = ui.keymap.conflicts(self.waiting, [self.taken])
             names = ", ".join(tr(ui.operations[other].label) for other in others)
             text(f"{icons.WARNING}  {shown_shortcut(self.taken)}: {names}", theme.WARNING)
-            imgui.same_line()
-            if imgui.button(f"{tr('Take it from there')}###take"):
+            if flow_button("Take it from there##take"):
                 self._bind(ui, [self.taken], replace=True)
-            imgui.same_line()
-            if imgui.button(f"{tr('Keep')}###keep"):
+            if flow_button("Keep##keep"):
                 self.waiting = self.taken = ""
             return
         pressed = pressed_shortcut()

@@ -8,6 +8,7 @@ import numpy as np
 from imgui_bundle import imgui, implot
 
 from editor import icons, report, theme
+from editor.flowing import button_width, flow_button
 from editor.panels.base import Panel
 from editor.report import ReportRun
 from editor.ui import Ui
@@ -17,10 +18,12 @@ from engine.report.advice import Advice, advise
 from engine.report.records import Result
 
 LIST_WIDTH = 15.0
+#: in a panel narrower than this, em, the list of experiments is behind a button
+NARROW_REPORT = 30.0
 #: how a kind of advice is said and coloured
 KINDS = {
-    "take": ("take it", theme.GOOD), "cheaper": ("cheaper", theme.INFO), "better": ("better", theme.INFO),
-    "dominated": ("dominated", theme.FAINT), "same": ("no difference", theme.FAINT),
+    "take": ("take it", "GOOD"), "cheaper": ("cheaper", "INFO"), "better": ("better", "INFO"),
+    "dominated": ("dominated", "FAINT"), "same": ("no difference", "FAINT"),
 }  # fmt: skip
 
 
@@ -52,16 +55,28 @@ class ReportPanel(Panel):
         if not self._offers:
             empty_state(icons.REPORT, "Nothing to measure", "This device makes no pictures")
             return
-        width = min(em(LIST_WIDTH), 0.3 * imgui.get_content_region_avail().x)
-        if imgui.begin_child("offers", (width, 0), imgui.ChildFlags_.borders):
-            self._list(ui)
-        imgui.end_child()
-        imgui.same_line()
+        room = imgui.get_content_region_avail()
+        if room.x < em(NARROW_REPORT):  # no room for a list beside the result
+            self._choice(ui)
+        else:
+            width = min(em(LIST_WIDTH), 0.36 * room.x)
+            if imgui.begin_child("offers", (width, 0), imgui.ChildFlags_.borders):
+                self._list(ui)
+            imgui.end_child()
+            imgui.same_line()
         if imgui.begin_child("result"):
             self._result(ui)
         imgui.end_child()
 
     # --- the list ---
+
+    def _choice(self, ui: Ui) -> None:
+        """The list behind a button, over the whole width."""
+        now = next((o.title for o in self._offers if o.name == self.chosen), "")
+        imgui.set_next_item_width(-1)
+        if imgui.begin_combo("##offers", now, imgui.ComboFlags_.height_large):
+            self._list(ui)
+            imgui.end_combo()
 
     def _list(self, ui: Ui) -> None:
         for own, heading in ((True, "This scene"), (False, "Methods")):
@@ -114,20 +129,15 @@ class ReportPanel(Panel):
                 ui.operations.run("view.cancel-work", session)
             flow_text(fitted(session.work.text, em(24)), theme.DIM, gap=0.5)
             return
-        imgui.begin_disabled(bool(offer.why_not))
-        if imgui.button(f"{icons.PLAY}  Measure###measure"):
+        hint = offer.why_not or "Runs in small steps; the window stays usable, and it can be called off"
+        if flow_button(f"{icons.PLAY}  Measure##measure", hint, first=True, enabled=not offer.why_not):
             report.start(session, offer.name, quick=self.quick)
-        imgui.end_disabled()
-        tooltip(offer.why_not or "Runs in small steps; the window stays usable, and it can be called off")
-        flow(em(6), 0.8)
+        flow(button_width("Quick") + em(1.5), 0.8)
         _changed, self.quick = imgui.checkbox("Quick", self.quick)
         tooltip("Fewer and smaller pictures: seconds instead of minutes, wider intervals")
-        flow(em(8), 0.8)
-        imgui.begin_disabled(not session.reports)
-        if imgui.button(f"{icons.SAVE}  Write page###write"):
+        hint = "Everything measured so far as report.html and report.json, as `lucarna report` writes them"
+        if flow_button(f"{icons.SAVE}  Write page##write", hint, gap=0.8, enabled=bool(session.reports)):
             ui.operations.run("report.write", session)
-        imgui.end_disabled()
-        tooltip("Everything measured so far as report.html and report.json, as `lucarna report` writes them")
 
     def _judged(self, ui: Ui, running: ReportRun) -> None:
         """While it runs: what is judged so far."""
@@ -266,7 +276,7 @@ class ReportPanel(Panel):
         word, color = KINDS[kind]
         imgui.table_next_row()
         imgui.table_next_column()
-        text(fitted(report.changed(knobs, result.default), imgui.get_content_region_avail().x), color)
+        text(fitted(report.changed(knobs, result.default), imgui.get_content_region_avail().x), theme.named(color))
         tooltip(f"{report.changed(knobs, {})}\n{advice.text}")
         with mono(ui):
             imgui.table_next_column()

@@ -17,11 +17,11 @@ from editor.widgets import bare_button, em, empty_state, fitted, own_text, searc
 from engine.assets.prefab import NODE, ROOT
 
 KIND_ICONS = {
-    "mesh": (icons.MESH, theme.INFO),
-    "light": (icons.LIGHT, theme.ACCENT),
-    "camera": (icons.CAMERA, theme.GOOD),
-    "group": (icons.GROUP, theme.DIM),
-    "": (icons.EMPTY, theme.FAINT),
+    "mesh": (icons.MESH, "INFO"),
+    "light": (icons.LIGHT, "ACCENT"),
+    "camera": (icons.CAMERA, "GOOD"),
+    "group": (icons.GROUP, "DIM"),
+    "": (icons.EMPTY, "FAINT"),
 }
 
 
@@ -32,7 +32,7 @@ MENU = (
     "prefab.make", "prefab.open", "prefab.revert", "prefab.apply", "", "edit.select-parent", "edit.select-children",
 )  # fmt: skip
 #: nodes that came with a prefab
-PREFAB = theme.rgb("#7fb2e8")
+PREFAB = "INFO"
 #: what a dragged row carries: the row
 PAYLOAD = "node"
 
@@ -163,10 +163,11 @@ class SceneTreePanel(Panel):
         self._arrow(item)
         imgui.same_line(0, em(0.15))
         shown = bool(nodes.visible_world[row]) and bool(nodes.visible[row])
-        icon, color = KIND_ICONS[self._kinds.get(row) or ("group" if item.has_children else "")]
+        icon, tint = KIND_ICONS[self._kinds.get(row) or ("group" if item.has_children else "")]
+        color = theme.named(tint)
         source = document.runtime.scene.sources.get(row)
         if source is not None and source.extras and (ROOT in source.extras or NODE in source.extras):
-            color = PREFAB
+            color = theme.named(PREFAB)
             icon = icons.PACKAGE if ROOT in source.extras else icon
         text(icon, color if shown else theme.FAINT)
         imgui.same_line(0, em(0.35))
@@ -179,7 +180,7 @@ class SceneTreePanel(Panel):
             own_text(fitted(name, imgui.get_content_region_avail().x), theme.TEXT if shown else theme.FAINT)
         imgui.table_next_column()
         own = bool(nodes.visible[row])
-        color = theme.FAINT if not own else theme.DIM if hovered or selected else theme.rgb("#565c66")
+        color = theme.FAINT if not own else theme.DIM if hovered or selected else theme.SLIDER
         if bare_button(f"{icons.VISIBLE if own else icons.HIDDEN}###eye{row}", color):
             rows = document.selection if row in document.selection else (row,)
             ui.session.set_visible(rows, not own)

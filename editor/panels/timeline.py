@@ -5,9 +5,10 @@ from __future__ import annotations
 from imgui_bundle import imgui
 
 from editor import icons
+from editor.flowing import flow_field
 from editor.param_widgets import filled_slider
 from editor.ui import Ui
-from editor.widgets import em, icon_button, mono, tooltip
+from editor.widgets import em, flow, icon_button, mono, tooltip
 
 MODE_ICONS = {"loop": icons.LOOP, "once": icons.ONCE, "ping-pong": icons.PING_PONG}
 
@@ -31,13 +32,12 @@ def draw(ui: Ui) -> None:
     if icon_button(f"{MODE_ICONS[playback.mode]}###loop", f"{playback.mode.capitalize()}; click for the next  Ctrl+L",
                    active=playback.mode != "once"):  # fmt: skip
         playback.next_mode()
-    imgui.same_line(0, em(0.3))
-    imgui.set_next_item_width(em(3.6))
+    flow_field(3.6, gap=0.3)
     changed, speed = imgui.drag_float("##speed", playback.speed, 0.01, -100.0, 100.0, "× %.2f")
     if changed:
         playback.speed = float(speed)
     tooltip("Speed; negative plays backwards")
-    imgui.same_line(0, em(0.6))
+    flow(em(16), 0.6)
     with mono(ui):
         imgui.align_text_to_frame_padding()
         imgui.text_unformatted(f"{playback.time:6.2f}")

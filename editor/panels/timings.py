@@ -11,7 +11,7 @@ from imgui_bundle import imgui
 from editor import icons, theme
 from editor.panels.base import Panel
 from editor.ui import Ui
-from editor.widgets import em, empty_state, mono, text, tooltip
+from editor.widgets import em, empty_state, flow_text, mono, text, tooltip
 
 UNACCOUNTED = "unaccounted"
 #: counters worth a place in the head line, in order
@@ -66,12 +66,7 @@ class TimingsPanel(Panel):
         tooltip("Of the last frame that was rendered; nothing is rendered while nothing changes")
         for name in HEADLINE:
             if name in stats.counters:
-                imgui.same_line(0, em(0.9))
-                value = f"{short_count(stats.counters[name])} {name.replace('_', ' ')}"
-                if imgui.calc_text_size(value).x > imgui.get_content_region_avail().x:
-                    imgui.new_line()
-                    break
-                text(value, theme.DIM)
+                flow_text(f"{short_count(stats.counters[name])} {name.replace('_', ' ')}", theme.DIM, gap=0.9)
         _bar(rows)
         if stats.counters.get("animations_asleep"):
             text(asleep_line(stats.counters), theme.DIM)

@@ -10,6 +10,7 @@ from imgui_bundle import imgui
 from editor import icons, theme
 from editor.code.feature_work import MeasureFeatures, told, verdict_of
 from editor.code.variant_rows import VariantRow, source_lines, stages_of, variant_rows
+from editor.flowing import flow_button
 from editor.panels.base import Panel
 from editor.ui import Ui
 from editor.widgets import em, empty_state, mono, text, tooltip
@@ -130,13 +131,10 @@ def _measuring(ui: Ui) -> None:
         if imgui.small_button("Cancel##features"):
             ui.operations.run("view.cancel-work", session)
         return
-    imgui.begin_disabled(session.work is not None)
-    if imgui.small_button(f"{icons.TIMER}  Measure what features change"):
+    hint = "Switches each feature of the scene's variants off and compares the pictures, bit for bit, from three sides"
+    label = f"{icons.TIMER}  Measure what features change"
+    if flow_button(label, hint, first=True, enabled=session.work is None):
         ui.operations.run("view.measure-features", session)
-    imgui.end_disabled()
-    tooltip(
-        "Switches each feature of the scene's variants off and compares the pictures, bit for bit, from three sides"
-    )
     if session.feature_effects is not None:
         text(told(session.feature_effects), theme.DIM)
         tooltip(told(session.feature_effects))

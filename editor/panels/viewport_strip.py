@@ -8,6 +8,7 @@ from typing import Any
 from imgui_bundle import imgui
 
 from editor import icons, looks, surroundings, theme
+from editor.flowing import button_width
 from editor.param_widgets import filled_slider
 from editor.ui import Ui
 from editor.widgets import cut, em, icon_button, pretty, text, tooltip
@@ -39,9 +40,11 @@ def draw(ui: Ui) -> None:
     """Both bars; the lower one goes on in a further line where it does not fit."""
     imgui.set_cursor_pos((em(0.5), imgui.get_cursor_pos_y() + em(0.25)))
     for group in (TOOLS, COMPARING, STAGING):
-        for id, icon in group:
+        for place, (id, icon) in enumerate(group):
+            if group is not TOOLS or place:
+                _further(button_width(icon), 0.05 if place else 0.9)
             _tool(ui, id, icon)
-        imgui.same_line(0, em(0.9))
+    imgui.same_line(0, em(0.9))
     _cost(ui)
     look_bar(ui)
 
@@ -87,7 +90,14 @@ def _tool(ui: Ui, id: str, icon: str) -> None:
     hint = f"{operation.label}{key}" + (f"\n{operation.doc}" if operation.doc else "")
     if icon_button(f"{icon}##{id}", hint, active=active, enabled=operation.enabled(ui.session)):
         ui.operations.run(id, ui.session)
-    imgui.same_line(0, em(0.05))
+
+
+def _further(width: float, gap: float) -> None:
+    """On in the line where `width` fits, else at the start of the next."""
+    imgui.same_line(0, em(gap))
+    if imgui.get_content_region_avail().x < width:
+        imgui.new_line()
+        imgui.set_cursor_pos_x(em(0.5))
 
 
 def _surroundings(ui: Ui) -> None:

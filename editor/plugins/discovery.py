@@ -39,5 +39,9 @@ def of_project(root: Path) -> list[Found]:
 
 def stamp(path: Path) -> float:
     """When a plug-in's files were last changed: those of its folder, or its one file."""
-    files = path.parent.rglob("*.py") if path.name == "__init__.py" else [path]
-    return max((f.stat().st_mtime for f in files if f.is_file()), default=0.0)
+    return max((f.stat().st_mtime for f in files_of(path) if f.is_file()), default=0.0)
+
+
+def files_of(path: Path) -> list[Path]:
+    """The Python files of the plug-in whose first one is `path`."""
+    return list(path.parent.rglob("*.py")) if path.name == "__init__.py" else [path]

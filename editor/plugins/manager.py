@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -180,6 +180,12 @@ class PluginManager:
             now = discovery.stamp(loaded.path)
             if now and now != loaded.stamp and self.switch_on(loaded):
                 self.session.messages.info(f"Plug-in {loaded.name} was loaded again", where=str(loaded.path))
+
+    def files(self) -> Iterator[Path]:
+        """Those that `look` looks at."""
+        for loaded in self.plugins:
+            if loaded.path is not None and loaded.state in ("on", "failed"):
+                yield from discovery.files_of(loaded.path)
 
     def reload(self) -> None:
         """Load all that are on again, and look for new ones."""

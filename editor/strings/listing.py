@@ -1,6 +1,8 @@
 """Which words of the interface have no translation: `python -m editor.strings [LANGUAGE]`.
 
 registries     menus, labels and tips of operations, titles of panels: these must all be there (`required`)
+parameters     names, descriptions and choices of everything that gets a slider or a box by its declaration (`declared`)
+engine         why passes are left out, titles of experiments, fixes of an import (`told`)
 source code    what is written out in calls that show it: labels, tips, headings (`written`); f-strings as templates
 """
 
@@ -8,20 +10,22 @@ from __future__ import annotations
 
 import ast
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 from editor import strings
 from editor.builtin_operations import builtin_operations
 from editor.strings.doors import HINTED, LABELS, TEXTS
+from engine.core.param import Param
 
 EDITOR = Path(__file__).resolve().parents[1]
+EFFECTS = EDITOR.parent / "shaders" / "effects"
 #: our own functions that show text: name -> places of it
 SHOWING = {
     "tr": (0,), "text": (0,), "tooltip": (0,), "flow_text": (0, 2), "fitted_text": (0,), "section": (1,),
     "icon_button": (0, 1), "bare_button": (0,), "search_field": (2,), "property_row": (0, 1),
-    "property_text": (0, 1, 2),
-    "empty_state": (1, 2), "combo": (0,), **dict.fromkeys(LABELS, (0,)), **{n: (p,) for n, p in TEXTS.items()},
+    "property_text": (0, 1, 2), "empty_state": (1, 2), "chip": (2,),
+    "combo": (0,), **dict.fromkeys(LABELS, (0,)), **{n: (p,) for n, p in TEXTS.items()},
     **dict.fromkeys(HINTED, (0, 1)),
 }  # fmt: skip
 #: attributes that hold what is shown
@@ -54,6 +58,71 @@ def panel_titles() -> list[str]:
     return titles
 
 
+def declared() -> dict[str, str]:
+    """Text -> where: names, descriptions, groups and choices of settings, of the fields of lights, cameras and
+    surroundings, and of the parameters, textures and features of the effects that come with the product."""
+    from editor.panels.inspector_fields import CAMERA, ENVIRONMENT, LOOK
+    from editor.panels.inspector_light import FIELDS
+    from editor.widgets import pretty
+    from engine.materials.effect import load_effect
+    from engine.render.settings import RenderSettings
+    from engine.scene.arrays import ArraySettings
+    from engine.scene.scatter import ScatterSettings
+
+    blocks: dict[str, Sequence[Param]] = {
+        block.__name__: block.PARAMS for block in (RenderSettings, ArraySettings, ScatterSettings)
+    }
+    blocks |= {"camera": CAMERA, "environment": ENVIRONMENT, "look": LOOK, "light": tuple(FIELDS.values())}
+    found: dict[str, str] = {}
+
+    def add(where: str, *texts: str) -> None:
+        for text in texts:
+            if any(c.isalpha() for c in text):
+                found.setdefault(text, where)
+
+    def add_params(where: str, params: Sequence[Param]) -> None:
+        for param in params:
+            add(f"{where}.{param.name}", pretty(param.name), param.doc, param.group, *map(pretty, param.choices))
+
+    for name, params in blocks.items():
+        add_params(name, params)
+    for path in sorted(EFFECTS.glob("*.effect.toml")):
+        effect = load_effect(path)
+        add_params(effect.name, effect.params)
+        for slot in effect.textures:
+            add(f"{effect.name}.{slot.name}", pretty(slot.name.removesuffix("_map")), slot.doc, slot.group)
+        for feature in effect.features.values():
+            add(f"{effect.name}.{feature.name}", pretty(feature.name), feature.doc)
+    return found
+
+
+def told() -> dict[str, str]:
+    """Text -> where: what comes from under the panels and is shown as it is."""
+    from editor.import_settings import FIXES
+    from engine.experiments.harness.live import offers
+
+    found = {offer.title: f"experiment {offer.name}" for offer in offers(device=None, scene_open=True)}
+    for fix in FIXES:
+        found |= dict.fromkeys((fix.label, fix.doc), f"fix {fix.id}")
+    for path in sorted((EDITOR.parent / "engine" / "render").rglob("*.py")):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.FunctionDef) and node.name == "needs":
+                for line in (inner for inner in ast.walk(node) if isinstance(inner, ast.Return) and inner.value):
+                    assert line.value is not None
+                    found |= dict.fromkeys(_reasons(line.value), f"{path.name}:{line.lineno}")
+    return {words: where for words, where in found.items() if clean(words)}
+
+
+def _reasons(node: ast.expr) -> Iterator[str]:
+    """The texts that `needs` may return, also those that it gives to a function."""
+    yield from _texts(node)
+    if isinstance(node, ast.IfExp) and isinstance(node.orelse, ast.Call):
+        node = node.orelse
+    if isinstance(node, ast.Call):
+        for argument in node.args:
+            yield from _texts(argument)
+
+
 def written() -> dict[str, str]:
     """Text -> file:line: what the editor's source shows."""
     found: dict[str, str] = {}
@@ -83,18 +152,22 @@ def _texts(node: ast.expr) -> Iterator[str]:
     if isinstance(node, ast.Constant) and isinstance(node.value, str):
         yield node.value
     elif isinstance(node, ast.JoinedStr):
-        parts = [p.value if isinstance(p, ast.Constant) and isinstance(p.value, str) else "{}" for p in node.values]
-        yield "".join(parts)
+        yield "".join(map(_part, node.values))
     elif isinstance(node, ast.IfExp):
         yield from _texts(node.body)
         yield from _texts(node.orelse)
 
 
+def _part(node: ast.expr) -> str:
+    """A part of an f-string: itself, nothing for an icon, {} for any other value."""
+    if isinstance(node, ast.Constant):
+        return str(node.value)
+    return "" if "icon" in ast.unparse(node).lower() else "{}"
+
+
 def clean(words: str) -> str:
-    """Without what translation leaves alone: identities behind ##, icons and placeholders at the ends."""
+    """Without what translation leaves alone: identities behind ##, spaces at the ends."""
     shown = words.partition("##")[0].strip()
-    while shown.startswith("{}"):  # an icon
-        shown = shown[2:].strip()
     return shown if any(c.isalpha() for c in shown.replace("{}", "")) else ""
 
 
@@ -113,12 +186,17 @@ def missing(language: str, wanted: Mapping[str, str]) -> dict[str, str]:
 
 def main() -> int:
     language = sys.argv[1] if len(sys.argv) > 1 else "zh"
-    names, source = required(), written()
-    lacking, open_ones = missing(language, names), missing(language, source)
-    for words, where in {**lacking, **open_ones}.items():
-        print(f"{where}: {words!r}")
-    print(
-        f"{language}: {len(names) - len(lacking)} of {len(names)} of menus, operations and panels; "
-        f"{len(source) - len(open_ones)} of {len(source)} in the source"
-    )
-    return 1 if lacking else 0
+    counts = []
+    kinds = {
+        "menus, operations and panels": required(),
+        "parameters": declared(),
+        "the engine": told(),
+        "the source": written(),
+    }
+    for kind, found in kinds.items():
+        lacking = missing(language, found)
+        for words, where in lacking.items():
+            print(f"{where}: {words!r}")
+        counts.append((len(lacking), f"{len(found) - len(lacking)} of {len(found)} of {kind}"))
+    print(f"{language}: {'; '.join(text for _, text in counts)}")
+    return 1 if any(lacking for lacking, _ in counts) else 0

@@ -6,7 +6,8 @@ scene file: mesh.overrides[slot] = {"roughness": 0.2} ──► a variation of t
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import contextlib
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -29,17 +30,22 @@ class ObjectMaterials:
 
     def load(self, findings: Findings) -> None:
         """Apply what the scene's file says; what no effect takes is told, and stays in the file."""
-        for node, source in self._scene.sources.items():
-            for slot, values in enumerate(source.mesh.overrides if source.mesh is not None else ()):
+        for node, source in list(self._scene.sources.items()):
+            if source.mesh is None or not any(source.mesh.overrides):
+                continue
+            said = [dict(values) for values in source.mesh.overrides]
+            for slot, values in enumerate(said):
                 good = {}
                 for name, value in values.items():
                     try:
-                        good[name] = self._param(node, slot, name).check(value)
+                        good[name] = _as_read(self._param(node, slot, name).check(value))
                     except LucarnaError as error:
                         place = f"{source.name}: mesh.overrides[{slot}].{name}"
                         findings.error("object.override", error.message, place, error.hint)
                 if good:
                     self._show(node, slot, good)
+                values.update(good)
+            self._scene.sources[node] = replace(source, mesh=replace(source.mesh, overrides=said))
 
     def values(self, node: int, slot: int) -> dict[str, Any]:
         """What the object says itself of the material in a slot."""
@@ -65,15 +71,28 @@ class ObjectMaterials:
             if value is None:
                 now.pop(name, None)
             else:
-                now[name] = self._param(node, slot, name).check(value)
+                now[name] = _as_read(self._param(node, slot, name).check(value))
         said = [*map(dict, source.mesh.overrides), *({} for _ in range(slot + 1 - len(source.mesh.overrides)))]
         said[slot] = now
         while said and not said[-1]:
             said.pop()
-        effect = self._residency.effect_of(self.slots(node)[slot])
-        self._show(node, slot, {name: value for name, value in now.items() if name in effect.param_by_name})
+        self._show(node, slot, self._taken(node, slot, now))
         mesh: MeshRef = replace(source.mesh, overrides=said)
         self._scene.sources[node] = replace(source, mesh=mesh)
+
+    def agree(self, nodes: Sequence[int]) -> None:
+        """Let these nodes be drawn with what they say, after their rows came back from another state of the scene: the
+        variations that they had then may have changed since, or serve another object."""
+        table, sources = self._scene.instances, self._scene.sources
+        rows = np.flatnonzero(table.alive & np.isin(table.node, nodes))
+        base_of = np.array([record.base for record in self._residency.materials.records], np.int64)
+        varied = {int(table.node[row]) for row in rows if base_of[table.material[row]] >= 0}
+        saying = {n for n in nodes if n in sources and (mesh := sources[n].mesh) is not None and any(mesh.overrides)}
+        for node in sorted(varied | saying.intersection(table.node[rows].tolist())):
+            for slot in self.slots(node):
+                values = self._taken(node, slot, self.values(node, slot))
+                if not all(self._shows(m, values) for m in table.material[self._rows(node, slot)].tolist()):
+                    self._show(node, slot, values)
 
     def named(self, name: str, param: str, value: str) -> int:
         """Set a parameter of all objects of that name, given as text; how many there were. Raises UsageError (did you
@@ -107,7 +126,7 @@ class ObjectMaterials:
 
     def _show(self, node: int, slot: int, values: Mapping[str, Any]) -> None:
         table, materials = self._scene.instances, self._residency.materials
-        rows = np.array([r for r in np.flatnonzero(table.node == node) if self._slot(int(r)) == slot], np.intp)
+        rows = self._rows(node, slot)
         now = int(table.material[rows[0]])
         base = materials.base_of(now)
         if not values:
@@ -115,7 +134,37 @@ class ObjectMaterials:
         elif now != base and not self._shared(now, rows):
             materials.override(now, values)
         else:
-            self._put(rows, materials.derive(base, values))
+            self._put(rows, self._variation(base, values))
+
+    def _variation(self, base: int, values: Mapping[str, Any]) -> int:
+        """A variation of `base` with these values: one that nothing shows any more, else a new one."""
+        table, materials = self._scene.instances, self._residency.materials
+        shown = set(table.material[table.alive].tolist())
+        free = next((material for material in materials.variations(base) if material not in shown), None)
+        if free is None:
+            return materials.derive(base, values)
+        materials.override(free, values)
+        return free
+
+    def _shows(self, material: int, values: Mapping[str, Any]) -> bool:
+        """Whether a material is the variation with these values; without any, whether it is none."""
+        record = self._residency.material(material)
+        return (record.base >= 0) == bool(values) and {n: _as_read(v) for n, v in record.overrides.items()} == values
+
+    def _taken(self, node: int, slot: int, values: Mapping[str, Any]) -> dict[str, Any]:
+        """Those of `values` that the effect takes."""
+        params = self._residency.effect_of(self.slots(node)[slot]).param_by_name
+        taken = {}
+        for name, value in values.items():
+            with contextlib.suppress(LucarnaError):  # of what the file says wrong `load` has told
+                if name in params:
+                    taken[name] = _as_read(params[name].check(value))
+        return taken
+
+    def _rows(self, node: int, slot: int) -> NDArray[np.intp]:
+        table = self._scene.instances
+        mine = np.flatnonzero((table.node == node) & table.alive)
+        return np.array([row for row in mine if self._slot(int(row)) == slot], np.intp)
 
     def _shared(self, material: int, rows: NDArray[np.intp]) -> bool:
         """Whether other instances than these have that material: a copy of the object has it too."""
@@ -125,3 +174,8 @@ class ObjectMaterials:
     def _put(self, rows: NDArray[np.intp], material: int) -> None:
         if (self._scene.instances.material[rows] != material).any():
             self._scene.instances.set_material(rows, material)
+
+
+def _as_read(value: Any) -> Any:
+    """A value as a scene file that is read has it."""
+    return list(value) if isinstance(value, tuple) else value

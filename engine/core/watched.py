@@ -36,6 +36,11 @@ class Watched:
             if path not in self._stamps:
                 self._stamps[path] = stamp(path)
 
+    def keep(self, paths: Iterable[Path]) -> None:
+        """Watch no others than these of those that are watched."""
+        wanted = set(paths)
+        self._stamps = {path: seen for path, seen in list(self._stamps.items()) if path in wanted}
+
     def changed(self) -> set[Path]:
         """The paths that are not as they were when last looked at. Any thread may ask."""
         return {path for path, seen in list(self._stamps.items()) if stamp(path) != seen}

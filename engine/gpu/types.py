@@ -191,7 +191,8 @@ class StencilState:
 class RasterState:
     """`cull`: none | back | front; front faces are counter-clockwise. `fill`: solid | wireframe. `alpha_to_coverage`:
     the alpha of target 0 decides which samples are covered. `sample_mask`: samples that are written at all. `scissor`:
-    x, y, width, height as parts of the attachment (0 to 1, from the top left), or None for all of it."""
+    x, y, width, height as parts of the attachment (0 to 1, from the top left), or None for all of it. `clip_distances`:
+    how many of gl_ClipDistance the last stage before the fragments writes."""
 
     cull: str = "back"
     front_ccw: bool = True
@@ -200,6 +201,7 @@ class RasterState:
     alpha_to_coverage: bool = False
     sample_mask: int = 0xFFFFFFFF
     scissor: tuple[float, float, float, float] | None = None
+    clip_distances: int = 0
 
 
 @dataclass(frozen=True, slots=True)

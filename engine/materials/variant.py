@@ -60,7 +60,8 @@ class VariantRequest:
     """What makes a variant what it is; the state as in StateOptions.
 
     `level`: that of the technique that is wanted; `index`: which of its passes. `blended`: what the technique writes as
-    it is is laid over what is there, premultiplied; other blends stay."""
+    it is is laid over what is there, premultiplied; other blends stay. `clip`: what is behind the plane of
+    gl_ClipDistance is cut away, where the vertex shader writes it and no stage comes between."""
 
     effect: str
     role: str
@@ -79,6 +80,7 @@ class VariantRequest:
     level: str = AUTO
     index: int = 0
     blended: bool = False
+    clip: bool = False
 
 
 @dataclass(slots=True, eq=False)
@@ -248,8 +250,14 @@ def describe(
             cull=request.cull if request.cull and draw.raster.cull == "back" else draw.raster.cull,
             fill=request.fill or draw.raster.fill,
             front_ccw=request.front_ccw == draw.raster.front_ccw,
+            clip_distances=int(request.clip and _clips(sources)),
         ),
     )
+
+
+def _clips(sources: Mapping[str, ShaderSource]) -> bool:
+    """Whether the planes that the vertex shader writes reach the rasteriser."""
+    return not {"tess_evaluation", "geometry"} & sources.keys() and "gl_ClipDistance" in sources["vertex"].text
 
 
 def draw_of(effect: Effect, request: VariantRequest, caps: Caps | None = None) -> DrawPass:

@@ -21,6 +21,7 @@ shadows/        cascades of the first sun, tiles of point and spot lights: fit, 
 paths/          which passes make a frame, and which path is the cheapest
 draw_states.py  what a batch binds, and its order; draw_commands.py: indirect commands of what is drawn
 programs.py     pipelines of batches; variant_requests.py: what they ask of the library; pass_programs.py: of passes
+effect_programs.py  pipelines of batches in roles beside the picture's own: motion, layers, tints
 blocks.py       generated GLSL in front of shaders;   ahead.py: programs made in slices while the last picture stays
 hysteresis.py   facts that flicker stay on for a while
 nonfinite.py    beside the graph, on demand: which pass made the first NaN, and where

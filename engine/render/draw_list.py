@@ -281,12 +281,7 @@ class DrawList:
         self, scene: Scene, visible: NDArray[np.bool_], eye: NDArray[np.float64], forward: NDArray[np.float64]
     ) -> None:
         """Fill batches, commands and ids for this frame. `visible` bool[instances]; `eye`, `forward` in world space."""
-        commands, solid_ids, self.opaque = chosen(self._solid, self._solid_batches, visible, 0, 0)
-        glass_commands, glass_ids, self.blended = self._sorted_glass(
-            scene, visible, eye, forward, len(commands), len(solid_ids)
-        )
-        all_commands = np.concatenate([commands, glass_commands])
-        ids = np.concatenate([solid_ids, glass_ids]).astype(np.uint32)
+        all_commands, ids, self.opaque, self.blended = self.seen_from(scene, visible, eye, forward)
         self.instances_drawn = len(ids)
         self.triangles_drawn = int(
             (all_commands["index_count"].astype(np.int64) * all_commands["instance_count"]).sum() // 3
@@ -294,6 +289,21 @@ class DrawList:
         if len(ids):
             self.ids = fit_buffer(self._device, self.ids, ids)
             self.commands = fit_buffer(self._device, self.commands, all_commands)
+
+    def seen_from(
+        self, scene: Scene, visible: NDArray[np.bool_], eye: NDArray[np.float64], forward: NDArray[np.float64],
+        first_command: int = 0, first_id: int = 0,
+    ) -> tuple[NDArray[np.void], NDArray[np.uint32], list[Batch], list[Batch]]:  # fmt: skip
+        """Commands and object ids of what an eye sees, and the batches that draw it: solid, then blended back to
+        front. `first_command`, `first_id`: where in their buffers both will lie."""
+        commands, ids, opaque = chosen(self._solid, self._solid_batches, visible, first_command, first_id)
+        glass_commands, glass_ids, blended = self._sorted_glass(
+            scene, visible, eye, forward, first_command + len(commands), first_id + len(ids)
+        )
+        return (
+            np.concatenate([commands, glass_commands]), np.concatenate([ids, glass_ids]).astype(np.uint32),
+            opaque, blended,
+        )  # fmt: skip
 
     def _sorted_glass(
         self, scene: Scene, visible: NDArray[np.bool_], eye: NDArray[np.float64], forward: NDArray[np.float64],

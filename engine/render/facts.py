@@ -8,6 +8,7 @@ from engine.render.bloom import Bloom
 from engine.render.gi.choice import Indirect
 from engine.render.lighting import Lighting
 from engine.render.occlusion import Occlusion
+from engine.render.planar.choice import Planar
 from engine.render.shadows.quality import FILTERS, ShadowQuality
 
 
@@ -38,6 +39,7 @@ class SceneFacts:
     stencil: bool = False  # a technique of what is drawn tests or writes it
     ambient_occlusion: Occlusion = field(default_factory=Occlusion)
     indirect: Indirect = field(default_factory=Indirect)  # light between surfaces, reflections
+    planar: Planar = field(default_factory=Planar)  # flat surfaces that mirror the scene itself
     local_shadows: int = 0  # width of the map of local lights' shadows, texels; 0 where none casts
     soft_lamps: bool = False  # one of them has a size that softens its shadows
     bloom: Bloom = field(default_factory=Bloom)
@@ -48,13 +50,14 @@ class SceneFacts:
     taa: bool = False
     motion: bool = False  # something is gathered over frames, and wants to know where it was (engine/render/motion)
     shadow_floor: bool = False  # a floor that only shadows are seen of, and something that throws them
+    depth_asked: bool = False  # depth before anything is shaded, whether something is made from it or not
     moving: bool = False  # a thing that is seen moved since the frame before, and the above
 
     @property
     def depth_first(self) -> bool:
         """Whether depth is drawn before anything is shaded."""
         from_it = self.ambient_occlusion.wanted or self.indirect.wanted
-        return self.lighting.path == "forward-plus" or from_it or self.force_all
+        return self.lighting.path == "forward-plus" or from_it or self.depth_asked or self.force_all
 
     @property
     def depth_format(self) -> str:
@@ -65,7 +68,7 @@ class SceneFacts:
         from engine.render.settings import DEBUG_VIEWS
 
         return {
-            "ENVIRONMENT": int(self.environment or self.indirect.wanted or self.force_all),
+            "ENVIRONMENT": int(self.environment or self.indirect.wanted or self.planar.wanted or self.force_all),
             "SUNS": int(self.suns or self.force_all),
             "SUN_SHADOWS": int(self.sun_shadows or self.force_all),
             "TRANSLUCENT_SHADOWS": int(self.translucent_shadows or self.force_all),
@@ -74,6 +77,7 @@ class SceneFacts:
             "INDIRECT": int(self.indirect.wanted or self.force_all),
             "GATHERED": int(self.indirect.gather or self.force_all),
             "REFLECTIONS": int(self.indirect.reflections or self.force_all),
+            "PLANAR_MIRRORS": int(self.planar.wanted or self.force_all),
             "LOCAL_LIGHTS": int(self.local_lights or self.force_all),
             "DEBUG_VIEW": DEBUG_VIEWS.index(self.debug_view),
             "VIEW_SHADOW_TEXELS": int(self.debug_view == "shadow_texels"),

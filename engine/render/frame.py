@@ -19,6 +19,7 @@ from engine.render.legends import Legend
 from engine.render.light_lists import LightLists
 from engine.render.lighting import Choice
 from engine.render.motion.frame import FrameMotion
+from engine.render.planar.mirrors import Mirrors
 from engine.render.programs import Programs
 from engine.render.shadows.local import LocalShadows
 from engine.render.shadows.sun import SunShadows
@@ -53,6 +54,8 @@ SCENE_COLOR_UNIT = 24
 AMBIENT_UNIT = 25
 INDIRECT_UNIT = 28
 REFLECTION_UNIT = 29
+PLANAR_UNIT = 30
+PLANAR_DEPTH_UNIT = 31
 LOCAL_SHADOW_UNIT = 26
 LOCAL_DEPTH_UNIT = 15
 BLOOM_UNIT = 26
@@ -68,6 +71,15 @@ class OtherRole:
     program: Callable[[DrawState, int], Pipeline]
     uniforms: Mapping[int, Any]
     key: Hashable
+
+
+@dataclass(frozen=True, slots=True)
+class SeenBy:
+    """Another eye than the frame's: its view block, and what it sees, as object ids and commands."""
+
+    view: Buffer
+    ids: Buffer
+    commands: Buffer
 
 
 @dataclass(slots=True)
@@ -95,6 +107,7 @@ class RenderFrame:
     shadow_rows: NDArray[np.void]
     exposure: ExposureState
     local_shadows: LocalShadows
+    mirrors: Mirrors
     motion: FrameMotion = field(default_factory=FrameMotion)
     look: Mapping[str, Any] = field(default_factory=dict)
     pass_buffers: dict[str, Buffer] = field(default_factory=dict)
@@ -132,18 +145,20 @@ class RenderFrame:
 
     def draw_batches(
         self, render_pass: RenderPass, batches: list[Batch], samples: int, inputs: Mapping[int, Any] | None = None,
-        depth_only: bool = False, other: OtherRole | None = None,
+        depth_only: bool = False, other: OtherRole | None = None, seen: SeenBy | None = None,
     ) -> None:  # fmt: skip
         """Draw batches with their pipelines, arenas and materials: one multi-draw each. `inputs`: more textures.
-        `other`: the role of a pass with pipelines of its own."""
+        `other`: the role of a pass with pipelines of its own; `seen`: by whom, if not by the frame's camera."""
+        seen = seen or SeenBy(self.view_buffer, self.draws.ids, self.draws.commands)
+        blocks = {VIEW_BINDING: seen.view, **self.mirrors.uniforms, **(other.uniforms if other else {})}
         for batch in batches:
             state = batch.state
             arena = self.residency.arenas[state.arena]
-            render_pass.set_vertex_buffers({**arena.streams, "object": self.draws.ids}, arena.indices)
+            render_pass.set_vertex_buffers({**arena.streams, "object": seen.ids}, arena.indices)
             materials = self.residency.materials
             render_pass.set_bindings(
                 Bindings(
-                    uniforms={VIEW_BINDING: self.view_buffer, **(other.uniforms if other else {})},
+                    uniforms=blocks,
                     storage={
                         TRANSFORM_BINDING: self.transforms,
                         OBJECT_BINDING: self.draws.objects,
@@ -173,7 +188,7 @@ class RenderFrame:
                     render_pass.set_pipeline(self.programs.depth(state, arena, self.facts, index))
                 else:
                     render_pass.set_pipeline(self.programs.surface(state, arena, self.facts, samples, index))
-                render_pass.multi_draw_indexed_indirect(self.draws.commands, batch.first, batch.count)
+                render_pass.multi_draw_indexed_indirect(seen.commands, batch.first, batch.count)
 
     def light_bindings(
         self, textures: Mapping[int, Any] | None = None, uniforms: Mapping[int, Any] | None = None,

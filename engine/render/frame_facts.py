@@ -10,6 +10,7 @@ from engine.render.focus import dof_wanted
 from engine.render.gi.choice import indirect_of
 from engine.render.look import tone_map_of
 from engine.render.occlusion import occlusion_of
+from engine.render.planar.choice import planar_of
 from engine.render.scene_rows import SceneRows
 from engine.render.settings import LIT_LOOK, ON_BLACK
 from engine.render.shadows.floor import floor_wanted
@@ -46,6 +47,7 @@ def facts_of(
             hidden := occlusion_of(settings, lit=lit, solid=draws.has_solid, live=view.seconds is not None)
         ),
         indirect=(light := indirect_of(settings, solid=draws.has_solid, lit=lit, live=view.seconds is not None)),
+        planar=planar_of(settings, rows.mirrors.planes.count),
         auto_exposure=settings.auto_exposure and settings.shading_view in LIT_LOOK,
         taa=(taa := taa_wanted(view, caps)),
         motion=taa or hidden.temporal or light.smooth,
@@ -58,6 +60,8 @@ def facts_of(
         local_shadows=(lamp_shadows := rows.lamp_shadows(scene, view)),
         shadow_floor=floor_wanted(settings) and (sun_shadows or lamp_shadows > 0),
         soft_lamps=rows.local_shadows.soft,
+        # these views are of what would be hidden
+        depth_asked=settings.depth_first and draws.has_solid and settings.shading_view not in ("wireframe", "overdraw"),
         shadow_quality=ShadowQuality(
             filter_for(settings.shadow_filter, software=caps.software),
             settings.shadow_cascades,

@@ -58,11 +58,12 @@ def preset_of(settings: RenderSettings) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Chosen:
-    """`why`: for people. `within`: the budget is kept, as measured."""
+    """`why` and `table`: for people. `within`: the budget is kept, as measured."""
 
     preset: str
     why: str
     within: bool
+    table: tuple[str, ...] = ()
 
 
 def within_budget(milliseconds: Mapping[str, float], budget: float, what: str) -> Chosen:

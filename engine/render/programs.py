@@ -11,9 +11,12 @@ from engine.gpu.types import Device, Pipeline
 from engine.materials.effect import Effect
 from engine.materials.library import EffectLibrary
 from engine.materials.variant import VariantRequest
-from engine.render.draw_states import DrawState
+from engine.render.draw_states import DrawState, tints_light
 from engine.render.facts import SceneFacts
+from engine.render.gi import layers
+from engine.render.motion import request as motion
 from engine.render.pass_programs import PassPrograms
+from engine.render.shadows import tint_request as tints
 from engine.render.variant_requests import (
     depth_request,
     level_of,
@@ -181,7 +184,9 @@ class Programs(PassPrograms):
         shadowed = facts.sun_shadows or facts.local_shadows > 0
         for _, state in states:
             effect = self._effects.get(state.effect)
-            asked = requests_of(state, arenas[state.arena], facts, effect, depth=facts.local_lights, shadow=shadowed)
+            arena = arenas[state.arena]
+            asked = requests_of(state, arena, facts, effect, depth=facts.depth_first, shadow=shadowed)
+            asked += _beside(state, arena, facts, effect)
             for request in asked:
                 for index in range(self._count(effect, request.role, state, facts)):
                     found[replace(request, index=index)] = None
@@ -192,3 +197,15 @@ class Programs(PassPrograms):
         if self._revision != self._effects.revision:
             self.forget()
         return self.ahead.begun(key, wanted, self._device, self._effects)
+
+
+def _beside(state: DrawState, arena: MeshArena, facts: SceneFacts, effect: Effect) -> list[VariantRequest]:
+    """What a batch of that state is drawn with besides its picture: how far it moved, layers, tints."""
+    found = []
+    if facts.moving and not state.blended and motion.ROLE in effect.techniques:
+        found.append(motion.motion_request(state, arena, facts, effect))
+    if facts.indirect.wanted and not state.blended and layers.ROLE in effect.techniques:
+        found += [layers.layer_request(state, arena, facts, effect, n) for n in range(facts.indirect.layers)]
+    if facts.translucent_shadows and tints_light(state, effect):
+        found.append(tints.tint_request(state, arena, facts, effect))
+    return found

@@ -274,6 +274,9 @@ class Renderer:
         facts = self.hysteresis(scene, (view.key, hdr, view.width, view.height, settings.force_all), facts)
         facts = self.light_path.choose(view, facts, block)
         motion = self.before.on_path(self.path.path)
+        rows.mirrors.update(
+            scene, view, facts.planar, rows.draws, block, origin, motion.jitter, everything=facts.force_all
+        )  # fmt: skip
         self._view_buffer.write(block.tobytes())
         return RenderFrame(
             device=self.device, view=view, facts=facts, residency=self.residency, programs=self.programs,
@@ -282,7 +285,7 @@ class Renderer:
             light_count=rows.lights.count, light_lists=self.light_lists, palettes=rows.palettes.buffer,
             morphs=rows.morphs.buffer,
             point_sampler=self._point_sampler, origin=origin, shadows=rows.shadows, shadow_rows=block,
-            local_shadows=rows.local_shadows, exposure=self._exposures.of(view.key),
+            local_shadows=rows.local_shadows, mirrors=rows.mirrors, exposure=self._exposures.of(view.key),
             look=self._look.of(scene, view, facts, environment, rows.visible),
             pass_buffers=self._pass_buffers,
             light_textures=rows.light_tables.bindings(), motion=motion,

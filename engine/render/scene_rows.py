@@ -14,6 +14,7 @@ from engine.render.light_rows import LightRows
 from engine.render.light_tables import LightTables
 from engine.render.morphs import MorphRows
 from engine.render.palettes import PaletteRows, SkinningCheck
+from engine.render.planar.mirrors import Mirrors
 from engine.render.shadows.floor import ShadowFloor, floor_wanted
 from engine.render.shadows.local import LocalShadows
 from engine.render.shadows.sun import SunShadows
@@ -40,6 +41,7 @@ class SceneRows:
         self.shadows = SunShadows()
         self.floor = ShadowFloor(residency)
         self.local_shadows = LocalShadows(device)
+        self.mirrors = Mirrors(device, residency)
         self.visible: NDArray[np.bool_] = np.zeros(0, np.bool_)
         self._visibility_key: tuple[object, ...] = ()
         self._seen: tuple[int, int] = (-1, -1)
@@ -50,6 +52,7 @@ class SceneRows:
         self.skinning.check(scene)
         self.palettes.update(scene, origin)
         self.morphs.update(scene, everything=view.settings.force_all)
+        self.mirrors.planes.update(scene)
 
     def look(self, scene: Scene, view: View, *, shifted: float = 0.0) -> None:
         """What the view sees, as batches. `shifted`: by so many pixels, so that as many more count on each side."""
@@ -112,6 +115,7 @@ class SceneRows:
     def release(self) -> None:
         for part in (
             self.draws, self.transforms, self.lights, self.light_tables, self.palettes, self.morphs, self.local_shadows,
+            self.mirrors,
         ):  # fmt: skip
             part.release()
 

@@ -97,6 +97,12 @@ class RenderSettings(ParamBlock):
         doc="how local lights reach surfaces; all give one picture. auto: the cheapest for this scene and device."
         " The deferred ones need samples = 1",
     )  # fmt: skip
+    depth_first: bool = param(
+        False,
+        doc="draw depth before surfaces are shaded, so that none is shaded in vain: worth it where surfaces hide each"
+        " other or are dear to shade, and triangles are not as many as pixels. On in any case where lists of lights,"
+        " ambient occlusion or gi are made from depth",
+    )  # fmt: skip
     light_tile: str = param("8", choices=tuple(map(str, TILE_SIZES)), unit="px", doc="width of a tile of light lists")
     light_test: str = param(
         "aabb", choices=TESTS, doc="light against tile: planes of its frustum, box about its pixels, cone from the eye"
@@ -206,6 +212,15 @@ class RenderSettings(ParamBlock):
         0.0, min=0.0, max=1e6, step=0.1, unit="m", doc="how far they see; 0 = by the scene"
     )
     reflection_steps: int = param(32, min=4, max=256, doc="places along a mirrored ray")
+    planar_mirrors: int = param(
+        2, min=0, max=4,
+        doc="planes at most in which flat surfaces of materials with planar_reflection mirror the scene, the largest in"
+        " the picture first; each draws the scene once more",
+    )  # fmt: skip
+    planar_scale: float = param(1.0, min=0.1, max=1.0, step=0.05, doc="width of what they show, in pictures")
+    planar_roughness: float = param(
+        0.5, min=0.0, max=1.0, step=0.01, doc="rougher ones mirror the environment instead, a little smoother ones both"
+    )
     auto_exposure: bool = param(
         False, doc="brighten or darken by what is seen, in the place of the scene's exposure; `exposure` is added"
     )

@@ -12,6 +12,7 @@ from engine.render.blocks import SCENE_PRELUDE
 from engine.render.draw_states import DrawState, arena_streams, caster_state, casts_shadow
 from engine.render.facts import SceneFacts
 from engine.render.gbuffer import LAYOUTS
+from engine.render.planar.mirrors import PRELUDE as PLANAR_PRELUDE
 from engine.resources.arena import MeshArena
 
 PREMULTIPLIED = BlendState("one", "one_minus_src_alpha", "add", "one", "one_minus_src_alpha", "add")
@@ -96,7 +97,8 @@ def surface_request(state: DrawState, arena: MeshArena, facts: SceneFacts, effec
     defines["MULTISAMPLED"] = int(facts.samples > 1 and defines["LOCAL_LIGHTS"] > 0)
     request = VariantRequest(
         state.effect, role, state.features, arena.attributes(streams), topology=state.topology, cull=state.cull,
-        front_ccw=state.front_ccw, depth_write=False if state.veil else None, prelude=SCENE_PRELUDE,
+        front_ccw=state.front_ccw, depth_write=False if state.veil else None,
+        prelude=SCENE_PRELUDE + PLANAR_PRELUDE * defines["PLANAR_MIRRORS"],
         targets=1 + len(LAYOUTS[lighting.gbuffer]) * (role == "gbuffer"),
         defines=tuple(sorted(defines.items())), level=level_of(state, facts), blended=state.blended,
     )  # fmt: skip

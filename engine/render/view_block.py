@@ -54,6 +54,21 @@ def fill_view_block(
 ) -> NDArray[np.void]:  # fmt: skip
     """One row of VIEW_LAYOUT. `environment_rotation` in radians; `jitter`: pixels that the picture is shifted right and
     down by."""
+    row = np.zeros((), VIEW_LAYOUT.dtype)
+    fill_camera(row, view, origin, jitter)
+    row["environment"] = (
+        math.cos(environment_rotation), math.sin(environment_rotation), environment_intensity, environment_mips,
+    )  # fmt: skip
+    row["sh"] = irradiance_sh
+    row["suns"] = lights.suns.reshape(-1, 4)
+    row["counts"] = (lights.count, lights.sun_count, 0, 0)
+    return row
+
+
+def fill_camera(
+    row: NDArray[np.void], view: View, origin: NDArray[np.float64], jitter: tuple[float, float] = (0.0, 0.0)
+) -> None:
+    """Write the fields of a row of VIEW_LAYOUT that say where from and how the scene is seen."""
     camera = view.camera
     world_from_camera = camera.world_from_camera
     origin_from_camera = world_from_camera.copy()
@@ -64,32 +79,25 @@ def fill_view_block(
     moved = np.eye(4)
     moved[:2, 3] = shift
     clip_from_view = moved @ camera.clip_from_view(view.aspect)
-    row = np.zeros((), VIEW_LAYOUT.dtype)
     row["clip_from_origin"] = (clip_from_view @ view_from_origin).T
     row["view_from_origin"] = view_from_origin.T
     right, up, back = world_from_camera[:3, 0], world_from_camera[:3, 1], world_from_camera[:3, 2]
     if camera.ymag > 0.0:
         row["camera"] = (*back, 0.0)
         row["ray_center"] = (*-back, 0.0)
+        row["ray_right"] = row["ray_up"] = 0.0
     else:
         half_height = math.tan(camera.yfov / 2)
         row["camera"] = (*origin_from_camera[:3, 3], 1.0)
         row["ray_center"] = (*-back, 0.0)
         row["ray_right"] = (*(right * half_height * view.aspect), 0.0)
         row["ray_up"] = (*(up * half_height), 0.0)
-    row["environment"] = (
-        math.cos(environment_rotation), math.sin(environment_rotation), environment_intensity, environment_mips,
-    )  # fmt: skip
-    row["sh"] = irradiance_sh
     row["size"] = (view.width, view.height, 1.0 / view.width, 1.0 / view.height)
-    row["suns"] = lights.suns.reshape(-1, 4)
-    row["counts"] = (lights.count, lights.sun_count, 0, 0)
     _fill_place(row, camera, origin_from_camera, view.aspect)
     if jitter != (0.0, 0.0):
         row["ray_center"] -= shift[0] * row["ray_right"] + shift[1] * row["ray_up"]
         place = "place_base" if camera.ymag > 0.0 else "place_z"
         row[place] -= shift[0] * row["place_x"] + shift[1] * row["place_y"]
-    return row
 
 
 def _fill_place(row: NDArray[np.void], camera: Camera, origin_from_camera: NDArray[np.float64], aspect: float) -> None:

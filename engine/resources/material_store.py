@@ -6,7 +6,7 @@ differ only in their rows.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -130,6 +130,10 @@ class MaterialStore:
         """The material that a variation is one of; itself for any other."""
         base = self.records[material].base
         return material if base < 0 else base
+
+    def variations(self, base: int) -> Sequence[int]:
+        """All that were derived from a material, shown or not."""
+        return self._derived.get(base, ())
 
     def _follow(self, base: int) -> None:
         """The variations of a material take over what is new in it, and what its effect knows of their own."""

@@ -185,6 +185,11 @@ class Residency:
         """The material files that were asked for, and their ids."""
         return self._material_files
 
+    @property
+    def mesh_files(self) -> Mapping[Path, list[int]]:
+        """The mesh files that were loaded, and the ids of their meshes."""
+        return self._mesh_files
+
     def unread(self, material: int) -> bool:
         """Whether a material shows magenta because its file or its effect could not be read."""
         return material in self._as_read and self._as_read[material] is None
@@ -238,6 +243,10 @@ class Residency:
         if self._default_material < 0:
             self._default_material = self.add_material(MaterialAsset("default"), Path())
         return self._default_material
+
+    def is_default(self, material: int) -> bool:
+        """Whether it is the material of what names none."""
+        return 0 <= self._default_material == material
 
     def material(self, material: int) -> MaterialRecord:
         return self.materials.records[material]

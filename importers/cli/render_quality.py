@@ -71,5 +71,6 @@ def auto_quality(args: argparse.Namespace, runtime: Runtime, view: View, named: 
     from engine.render.presets import PRESETS
 
     chosen = choose(runtime, view, args.budget_ms)
-    print(f"quality {chosen.why}", file=sys.stderr)
+    print("\n".join(chosen.table), file=sys.stderr)
+    print(f"{'' if chosen.within else 'warning: '}quality {chosen.why}", file=sys.stderr)
     return type(view.settings)(**{**view.settings.values(), **PRESETS[chosen.preset], **named})

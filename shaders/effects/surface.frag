@@ -1,6 +1,9 @@
 // The standard surface: gathers the material, then adds emission, environment and punctual light (glTF 2.0, appendix B).
 // what is seen through has other surroundings than the depth knows
 #define AMBIENT_VISIBILITY (AMBIENT_OCCLUSION && !BLENDED)
+#if defined PLANAR_MIRRORS && !defined DEEP_LAYER
+#define PLANAR (PLANAR_MIRRORS && PLANAR_REFLECTION)
+#endif
 #include "lib/environment.glsl"
 #include "lib/lights.glsl"
 #include "lib/view.glsl"
@@ -66,6 +69,18 @@ layout(location = 2) out uvec2 o_gbuffer1;
 #if GBUFFER_LAYOUT == 2
 layout(location = 3) out uint o_gbuffer2;
 #endif
+#endif
+
+#if PLANAR
+#include "lib/planar.glsl"
+// the mesh's normal, for planar_mirrored
+vec3 mirror_facing = vec3(0.0);
+
+vec4 planar_mirrored(vec3 radiance, vec3 n, float perceptual_roughness)
+{
+    return planar_light(
+        radiance, n, mirror_facing, safe_normalize(view_vector(v_position)), v_position, perceptual_roughness);
+}
 #endif
 
 struct Surface {
@@ -183,6 +198,9 @@ Surface gather(MaterialParams m)
         s.normal = -s.normal;
         s.smooth_normal = -s.smooth_normal;
     }
+#endif
+#if PLANAR
+    mirror_facing = s.smooth_normal;
 #endif
     return s;
 }

@@ -100,6 +100,9 @@ void main()
     vec4 p = vec4(position, 1.0);
     v_position = vec3(dot(r0, p), dot(r1, p), dot(r2, p));
     gl_Position = view.clip_from_origin * vec4(v_position, 1.0);
+#ifdef CLIP_PLANE
+    gl_ClipDistance[0] = dot(mirror_clip.plane, vec4(v_position, 1.0));
+#endif
 #ifdef MOTION
     // rows of the frame before lie behind those of now
 #if SKINNING

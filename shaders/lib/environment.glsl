@@ -13,6 +13,13 @@ layout(binding = 8) uniform samplerCube t_environment;
 vec3 gathered_light = vec3(0.0);
 vec4 mirrored_light = vec4(0.0);
 #endif
+#ifndef PLANAR
+#define PLANAR 0
+#endif
+#if PLANAR
+// Light that a flat mirror shows, over the environment's, and how far it holds; the surface shader says it.
+vec4 planar_mirrored(vec3 radiance, vec3 n, float perceptual_roughness);
+#endif
 #ifdef AMBIENT_VISIBILITY
 #if AMBIENT_VISIBILITY
 #define OPEN_DIRECTION (AMBIENT_OCCLUSION & 2)
@@ -97,9 +104,20 @@ vec3 environment_lighting_bent(
     // Lagarde and de Rousiers 2014, "Moving Frostbite to PBR", listing 26: occlusion of the specular lobe.
     float specular_occlusion =
         sat(pow(n_dot_v + occlusion, exp2(-16.0 * perceptual_roughness - 1.0)) - 1.0 + occlusion);
+#if INDIRECT || PLANAR
+    vec3 mirrored = radiance * specular_occlusion;
 #if INDIRECT
-    vec3 mirrored = mix(radiance * specular_occlusion, mirrored_light.rgb, mirrored_light.a);
+    mirrored = mix(mirrored, mirrored_light.rgb, mirrored_light.a);
+#endif
+#if PLANAR
+    vec4 flat_mirror = planar_mirrored(radiance, mirror_n, perceptual_roughness);
+    mirrored = mix(mirrored, flat_mirror.rgb, flat_mirror.a);
+#endif
+#if INDIRECT
     return fss_ess * mirrored + (fms_ems + k_d) * (irradiance * diffuse_occlusion + gathered_light);
+#else
+    return fss_ess * mirrored + (fms_ems + k_d) * irradiance * diffuse_occlusion;
+#endif
 #else
     return fss_ess * radiance * specular_occlusion + (fms_ems + k_d) * irradiance * diffuse_occlusion;
 #endif

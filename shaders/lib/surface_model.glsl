@@ -310,7 +310,13 @@ vec3 shade_model(MaterialParams m, Surface s, vec3 v, float sun)
     below = below * model.under_sheen + model.sheen * cloth * cloth_light * s.occlusion;
 #endif
 #if CLEARCOAT
-    above = environment_radiance(reflect(-v, model.coat_n), model.coat_roughness) * (model.coat_albedo * s.occlusion);
+    vec3 on_coat = environment_radiance(reflect(-v, model.coat_n), model.coat_roughness);
+#if PLANAR
+    vec4 flat_coat = planar_mirrored(on_coat, model.coat_n, model.coat_roughness);
+    above = mix(on_coat * (model.coat_albedo * s.occlusion), flat_coat.rgb * model.coat_albedo, flat_coat.a);
+#else
+    above = on_coat * (model.coat_albedo * s.occlusion);
+#endif
 #endif
 #endif
     below += s.emission;

@@ -13,11 +13,12 @@ import traceback
 from pathlib import Path
 from typing import IO, Any
 
-from editor import journal, recovering
+from editor import journal, recovering, tabs
 from editor.commands.replacement import FileStep, Replacement
 from editor.session import Session
 from tests.fuzz import operation_stage as stage
-from tests.fuzz.operation_walk import Broken, Model, Walk
+from tests.fuzz.operation_model import Broken, Model, Watched, models_of
+from tests.fuzz.operation_walk import Walk
 
 
 def main() -> None:
@@ -35,14 +36,13 @@ def main() -> None:
 
 
 def _walk(order: dict[str, Any], folder: Path, trace: IO[str], answer: dict[str, Any]) -> None:
-    scene = stage.write_stage(folder / "stage", animated=order["animated"])
+    homes = [folder / name for name in ("stage", "second", "third")]
+    for number, home in enumerate(homes):
+        stage.write_stage(home, animated=order["animated"] != (number == 1))
     session = stage.open_session(folder)
-    walk = Walk(session, trace, exact=not order["animated"])
-    restored = _restore(session, walk, folder)
-    if not restored:
-        document = stage.open_scene(session, scene)
-        walk.watch(document)
-    answer["restored"] = restored
+    walk = Walk(session, trace, homes)
+    answer["restored"] = _restore(session, walk, folder)
+    walk.keep_up()
     dice = random.Random(order["seed"])
     kill_at, kill_how = order["kill_at"], order["kill_how"]
     events = 0
@@ -56,67 +56,72 @@ def _walk(order: dict[str, Any], folder: Path, trace: IO[str], answer: dict[str,
     walk.after_event = after_event
     for number in range(order["count"]):
         answer["done"] = number
-        answer["what"] = walk.step(dice, folder / "stage")
-        if session.document is None:
-            walk.watch(stage.open_scene(session, scene))
-        elif session.document is not walk.document:
-            walk.watch(session.document)
-        if number % 40 == 39 and session.journal is not None:
-            session.journal.snapshot()
+        answer["what"] = walk.step(dice)
+        if number % 40 == 39:
+            for written, _tab in tabs.journals(session):
+                written.snapshot()
         if kill_how in ("step", "torn") and number == kill_at:
             _die(folder, answer, walk, session, torn=kill_how == "torn")
     answer["done"] = order["count"]
     _die(folder, answer, walk, session, torn=False)
 
 
-def _restore(session: Session, walk: Walk, folder: Path) -> bool:
-    """Recover what a killed process left; True where it had something. Raises Broken."""
-    trace = folder / "trace.jsonl"
-    model = Model()
-    for line in trace.read_text(encoding="utf-8").splitlines():
-        model.follow(json.loads(line))
-    pending = journal.pending(folder / "recovery")
+def _restore(session: Session, walk: Walk, folder: Path) -> int:
+    """Recover what a killed process left; returns how many documents that were. Raises Broken."""
+    models = models_of(folder / "trace.jsonl")
+    pending = {recovery.path.name: recovery for recovery in journal.pending(folder / "recovery")}
     last = folder / "last.json"
     told = json.loads(last.read_text(encoding="utf-8")) if last.is_file() else {}
-    if told.get("dirty") and not told["open"] and not pending:
-        raise Broken("unsaved edits were there when the process was killed, and nothing is there to restore")
-    if not pending:
-        return False
-    if len(pending) > 1:
-        raise Broken(f"{len(pending)} journals are left of one process")
-    if not recovering.recover(session, pending[0]):
+    for name in pending.keys() - told.keys():
+        raise Broken(f"the journal {name} is left of no document")
+    for name, said in told.items():
+        if name in pending:
+            _restore_one(session, walk, pending[name], said, models.get(said["key"]))
+        elif said["dirty"] and not said["open"]:
+            raise Broken(
+                f"unsaved edits of {said['name']} were there when the process was killed, and are not to restore"
+            )
+    walk.forget_all(key for key in models if key not in {w.key for w in walk.watched})
+    return len(pending)
+
+
+def _restore_one(
+    session: Session, walk: Walk, pending: journal.Recovery, said: dict[str, Any], model: Model | None
+) -> None:
+    if not recovering.recover(session, pending):
         raise Broken(f"not restored: {session.failure}")
     document = session.document
     assert document is not None
     entries = [len(document.history.entries), len(document.history.undone)]
-    if entries != told["entries"] and not told["files"]:
-        raise Broken(f"{told['entries']} entries done and undone were there, {entries} are restored")
-    if stage.scene_bytes(document).hex() != told["bytes"]:
+    if entries != said["entries"] and not said["files"]:
+        raise Broken(f"{said['entries']} entries done and undone were there, {entries} are restored")
+    if stage.scene_bytes(document).hex() != said["bytes"]:
         raise Broken("the restored scene would be saved as other bytes")
-    if document.dirty != told["dirty"] and not told["open"]:
-        raise Broken(f"unsaved was {told['dirty']}, and is {document.dirty}")
-    if told["files"]:
-        walk.watch(document)
-        return True
-    state = stage.content(document, exact=walk.exact)
+    if document.dirty != said["dirty"] and not said["open"]:
+        raise Broken(f"unsaved was {said['dirty']}, and is {document.dirty}")
+    if said["files"] or model is None:
+        walk.watch(document, key=said["key"])
+        return
+    state = Watched("", document, Path()).content()
     model.follow({"e": "end", "done": entries[0], "undone": entries[1], "state": state})
-    walk.watch(document, model=model)
+    walk.watch(document, key=said["key"], model=model)
     at = model.at
     document.history.go_to(0)  # the walk compares each state on the way
     document.history.go_to(len(model.states) - 1)
     document.history.go_to(at)
-    return True
 
 
 def _die(folder: Path, answer: dict[str, Any], walk: Walk, session: Session, *, torn: bool) -> None:
-    """Be killed now. `torn`: half a line of the journal had reached the disk."""
-    document = session.document
+    """Be killed now. `torn`: half a line of the journal in front had reached the disk."""
     answer["counts"] = walk.counts
     _report(folder, answer)
-    told: dict[str, Any] = {"dirty": False}
-    if document is not None:
+    told: dict[str, Any] = {}
+    key_of = {watched.document: watched.key for watched in walk.watched}
+    for written, _tab in tabs.journals(session):
+        document = written.document
         history = document.history
-        told = {
+        told[written.path.name] = {
+            "key": key_of.get(document, ""), "name": document.name,
             # the replay ends the gesture; one that had come back to where it began leaves no entry then
             "entries": [sum(e.changes for e in history.entries), len(history.undone)], "dirty": document.dirty,
             "bytes": stage.scene_bytes(document).hex(),

@@ -6,7 +6,6 @@ from __future__ import annotations
 import hashlib
 import os
 import sys
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -73,12 +72,14 @@ def open_session(folder: Path) -> Session:
     return session
 
 
-def open_scene(session: Session, scene: Path) -> Document:
-    resolved = Resolved(scene, scene)
-    session.adopt(Document(resolved, session.host.open_runtime(session.device, scene)))
-    session.playback.playing = False
-    assert session.document is not None
-    return session.document
+def scene_of(folder: Path) -> Path:
+    """The scene that `write_stage` wrote there."""
+    return next(path for name in ("figure", "boxes") if (path := folder / f"{name}.scene.json").is_file())
+
+
+def opened(session: Session, scene: Path) -> Document:
+    """A document of that scene, in no tab yet."""
+    return Document(Resolved(scene, scene), session.host.open_runtime(session.device, scene))
 
 
 def content(document: Document, *, exact: bool) -> str:
@@ -86,20 +87,11 @@ def content(document: Document, *, exact: bool) -> str:
     `exact` every bit of the scene's tables (which clips move, so not while there are some).
 
     With LUCARNA_FUZZ_EXPLAIN=FOLDER what is hashed lies there by its hash, to be compared."""
-    residency = document.runtime.residency
-    materials = []
-    for material in range(len(residency.materials.records)):
-        record = residency.material(material)
-        if residency.materials.base_of(material) != material:
-            continue  # what one object says of it; the scene has that, and which number it is drawn with says nothing
-        values = {p.name: record.asset.params.get(p.name, p.default) for p in record.effect.params}
-        asset = record.asset
-        materials.append((material, values, sorted(asset.textures.items()), asset.features, asset.queue))
     runtime = document.runtime
     animation = getattr(runtime, "animation", None)
     parts = {
         "scene": scene_bytes(document),
-        "materials": repr(materials).encode(),
+        "materials": repr(_materials(document)).encode(),
         "animation": repr((getattr(animation, "text", ""), runtime.drive, bool(runtime.deck.root_motion))).encode(),
         "bits": repr(_bits(document)).encode() if exact else b"",
     }
@@ -110,24 +102,40 @@ def content(document: Document, *, exact: bool) -> str:
     return " ".join(f"{name}:{value}" for name, value in hashes.items())
 
 
-def _bits(document: Document) -> Any:
-    """Every stored bit of the scene's tables, but of materials that one object has to itself only what they vary."""
-    values = without_view(state(document))
-    values["sources"] = {row: _plain(node) for row, node in values["sources"].items()}
+def _materials(document: Document) -> Any:
+    """What the materials say that are drawn or were edited (one that was loaded for a moment is no content), by their
+    files, and what each object shows of its own."""
+    residency = document.runtime.residency
     table = document.runtime.scene.instances
-    base_of = document.runtime.residency.materials.base_of
-    values["tables"]["instances"][1]["material"] = [
-        base_of(int(m)) if alive and m >= 0 else -1 for m, alive in zip(table.material, table.alive, strict=True)
-    ]
+    drawn = {int(row): int(table.material[row]) for row in table.alive_rows() if table.material[row] >= 0}
+    edited = {row for name, _column, row in document.overrides if name == "materials"}
+    said = {}
+    for material in {residency.materials.base_of(m) for m in {*drawn.values(), *edited}}:
+        record = residency.material(material)
+        values = {p.name: record.asset.params.get(p.name, p.default) for p in record.effect.params}
+        asset = record.asset
+        said[_file_of(residency, material)] = values, sorted(asset.textures.items()), asset.features, asset.queue
+    shown = {
+        row: (_file_of(residency, residency.materials.base_of(m)), sorted(residency.material(m).overrides.items()))
+        for row, m in drawn.items()
+    }
+    return sorted(said.items()), shown
+
+
+def _file_of(residency: Any, material: int) -> str:
+    return Path(residency.material(material).path).name or "default"
+
+
+def _bits(document: Document) -> Any:
+    """Every stored bit of the scene's tables; of meshes and materials their files, since which number they were given
+    when they were loaded says nothing."""
+    values = without_view(state(document))
+    table, residency = document.runtime.scene.instances, document.runtime.residency
+    place = {n: (path.name, i) for path, ids in residency.mesh_files.items() for i, n in enumerate(ids)}
+    columns = values["tables"]["instances"][1]
+    columns["mesh"] = [place.get(int(m)) if alive else None for m, alive in zip(table.mesh, table.alive, strict=True)]
+    del columns["material"]  # what each shows is said of the materials
     return _ordered(values)
-
-
-def _plain(node: Any) -> Any:
-    """What an object has of its own as a file says it: a colour that was set is a tuple, one that was read a list."""
-    if node is None or node.mesh is None or not node.mesh.overrides:
-        return node
-    said = [{k: list(v) if isinstance(v, tuple) else v for k, v in slot.items()} for slot in node.mesh.overrides]
-    return replace(node, mesh=replace(node.mesh, overrides=said))
 
 
 def _ordered(value: Any) -> Any:

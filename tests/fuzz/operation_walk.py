@@ -1,30 +1,30 @@
 """A random walk over the operations of the editor, and what must hold at each step of it.
 
-    - what an operation changes in the document it changes through the history: without an entry nothing differs
-    - undo and redo bring back every state that was there before, whatever lies between
-    - an operation is done or refused in words (a LucarnaError): anything else is a failure
-    - a script of the history makes the same document from the same file
+- what an operation changes in the document it changes through the history: without an entry nothing differs
+- undo and redo bring back every state that was there before, whatever lies between
+- an operation is done or refused in words (a LucarnaError): anything else is a failure
 
-`Model` knows the content of the document after each entry of its history. It is written to a trace line by line, so
-that whoever comes after a kill can compare."""
+- several documents may be open: what is done in one leaves the others, and what their histories know, as they were
+"""
 
 from __future__ import annotations
 
 import json
 import random
+import uuid
 from collections import Counter
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import IO, Any
 
-from editor import prefabs
+from editor import prefabs, tabs
 from editor.builtin_operations import builtin_operations
 from editor.document import Document
 from editor.operations import Operations
 from editor.session import Session
 from engine.core.errors import LucarnaError
 from tests.fuzz import operation_stage as stage
+from tests.fuzz.operation_model import Broken, Model, Watched, stamp_of
 
 #: operations that the walk leaves out, and why
 LEFT_OUT = {
@@ -38,104 +38,73 @@ LEFT_OUT = {
 PREFABS = ("prefab.make", "prefab.apply", "prefab.revert", "prefab.place")
 
 
-class Broken(AssertionError):
-    """Something that must hold does not."""
-
-
-@dataclass(slots=True)
-class Model:
-    """`states[i]`: the content after the first i entries of the history, then of those undone; `at`: where it is."""
-
-    states: list[str] = field(default_factory=list)
-    at: int = 0
-
-    def follow(self, event: dict[str, Any]) -> None:
-        """Take over what a trace line says. Raises Broken where a state is not the one it was."""
-        done, undone, now = event["done"], event["undone"], event["state"]
-        if event["e"] == "open":
-            # a history that is there already was restored in part: what its states were, the first visit tells
-            self.states, self.at = [""] * done + [now] + [""] * undone, done
-            return
-        if event["e"] == "do":
-            if event["dropped"]:
-                del self.states[0]
-            self.states = [*self.states[:done], now]
-        elif event["e"] in ("undo", "redo", "end", "saved"):
-            del self.states[done + undone + 1 :]
-            self.states[done] = self.states[done] or now
-            if self.states[done] != now:
-                raise Broken(
-                    f"after {event['e']} to entry {done} the document is not what it was there: "
-                    f"{now}, and was {self.states[done]}"
-                )
-        self.at = done
-
-
 class Walk:
-    """One document at a time, and random operations on it. `trace` gets a line for each event of the history."""
+    """Random operations on the documents in `homes`. `trace` gets a line for each event of their histories."""
 
-    def __init__(self, session: Session, trace: IO[str], *, exact: bool) -> None:
-        self.session, self.exact, self.trace = session, exact, trace
+    def __init__(self, session: Session, trace: IO[str], homes: Sequence[Path]) -> None:
+        self.session, self.trace, self.homes = session, trace, homes
         self.operations: Operations = builtin_operations()
-        self.model = Model()
-        self.document: Document | None = None
+        self.watched: list[Watched] = []
         self.counts: Counter[str] = Counter()
         #: called with the number of the event that was just traced
         self.after_event: Callable[[str], None] = lambda event: None
-        self._first: Any = None
 
-    def content(self) -> str:
-        assert self.document is not None
-        return stage.content(self.document, exact=self.exact)
+    @property
+    def front(self) -> Watched:
+        return next(w for w in self.watched if w.document is self.session.document)
 
-    def watch(self, document: Document, *, model: Model | None = None) -> None:
+    def watch(self, document: Document, *, key: str = "", model: Model | None = None) -> None:
         """Follow this document from now on; with a `model` it must be what that says."""
-        self.document = document
+        path = document.scene_path.resolve()
+        home = next((home for home in self.homes if home.resolve() in path.parents), path.parent)
+        watched = Watched(key or uuid.uuid4().hex[:8], document, home)
+        self.watched.append(watched)
         history = document.history
         journal = history.listener
 
         def listen(what: str, edit: Any, gesture: Any) -> None:
             if journal is not None:
                 journal(what, edit, gesture)
-            self._tell(what)
+            self._tell(watched, what)
 
         history.listener = listen
-        if self.session.journal is not None:  # so that leaving it finds its listener
-            self.session.journal.record = listen  # type: ignore[method-assign]  # what is compared there
+        for written, _tab in tabs.journals(self.session):
+            if written.document is document:  # so that leaving it finds its listener
+                written.record = listen  # type: ignore[method-assign]  # what is compared there
         if model is None:
-            self._first = None
-            self._tell("open")
+            self._tell(watched, "open")
             return
-        self.model = model
-        if self.content() != model.states[model.at]:
+        watched.model = model
+        if watched.content() != model.now:
             raise Broken("the restored document is not what it was when its process was killed")
-        self._first = history.entries[0] if history.entries else None
+        watched.first = history.entries[0] if history.entries else None
 
-    def _tell(self, what: str) -> None:
-        assert self.document is not None
-        history = self.document.history
-        entries = history.entries
-        dropped = len(entries) >= 1000 and entries[0] is not self._first
-        self._first = entries[0] if entries else None
-        event = {
-            "e": what, "done": len(entries), "undone": len(history.undone), "dropped": dropped,
-            "state": self.content(),
-        }  # fmt: skip
+    def _tell(self, watched: Watched, what: str) -> None:
+        event = watched.event(what)
+        self.write(event)
+        self.after_event(what)
+        watched.model.follow(event)
+
+    def write(self, event: dict[str, Any]) -> None:
         self.trace.write(json.dumps(event) + "\n")
         self.trace.flush()
-        self.after_event(what)
-        self.model.follow(event)
+
+    def forget_all(self, keys: Iterable[str]) -> None:
+        """These documents were closed."""
+        for key in keys:
+            self.write({"e": "close", "key": key})
 
     # --- steps ---
 
-    def step(self, dice: random.Random, folder: Path) -> str:
+    def step(self, dice: random.Random) -> str:
         """One random thing; returns what. Raises Broken."""
-        session = self.session
-        before = self.content()
-        at, revision = self.model.at, self.document.history.revision if self.document else 0
-        kind = dice.choices(("undo", "drag", "set", "select", "operation", "prefab"), (18, 8, 18, 14, 42, 4))[0]
-        document, what = self.document, kind
-        assert document is not None
+        session, front = self.session, self.front
+        document, before, at = front.document, front.content(), front.model.at
+        revision = document.history.revision
+        stamps = {home: stamp_of(home) for home, count in Counter(w.home for w in self.watched).items() if count > 1}
+        kinds = {"undo": 18, "drag": 8, "set": 18, "select": 14, "operation": 42, "prefab": 4, "tab": 4, "look": 2}
+        kind = dice.choices(list(kinds), list(kinds.values()))[0]
+        what = kind
         try:
             if kind == "undo":
                 what = dice.choice(("edit.undo", "edit.redo", "jump"))
@@ -149,30 +118,63 @@ class Walk:
             elif kind == "drag":
                 self._drag(dice)
             elif kind == "set":
-                what = self._run("edit.set", dice, folder)
+                what = self._run("edit.set", dice)
             elif kind == "prefab":
-                what = self._prefab(dice, folder)
+                what = self._prefab(dice)
+            elif kind == "tab":
+                what = self._tab(dice)
+            elif kind == "look":
+                self._look(dice)
             elif kind == "select":
-                what = self._run("select.nodes", dice, folder)
+                what = self._run("select.nodes", dice)
             else:
-                what = self._run(dice.choice([o.id for o in self.operations if o.id not in LEFT_OUT]), dice, folder)
+                what = self._run(dice.choice([o.id for o in self.operations if o.id not in LEFT_OUT]), dice)
         except LucarnaError:
             what += " (refused)"
         self.counts[what] += 1
         self._settle(dice)
-        if session.document is not self.document:
-            return what
-        after = self.content()
-        if after != self.model.states[self.model.at]:
-            raise Broken(
-                f"{what}: the document changed, and its history does not know: {after}, and was "
-                f"{self.model.states[self.model.at]}"
-            )
-        if document.history.revision == revision and (after != before or self.model.at != at):
+        for watched in self.watched:
+            changed = watched.home in stamps and stamp_of(watched.home) != stamps[watched.home]
+            watched.shared = watched.shared or (watched is not front and changed)
+        self.keep_up()
+        self._compare(what, front)
+        quiet = front in self.watched and document.history.revision == revision
+        if quiet and (front.content() != before or front.model.at != at):
             raise Broken(f"{what}: no edit was made, and the document is another")
         return what
 
-    def _run(self, id: str, dice: random.Random, folder: Path) -> str:
+    def keep_up(self) -> None:
+        """Documents came and went."""
+        session = self.session
+        opened = tabs.documents(session)
+        for watched in [w for w in self.watched if w.document not in opened]:
+            self.watched.remove(watched)
+            self.forget_all([watched.key])
+        if session.document is None:
+            self.open(self.homes[0])
+        for document in tabs.documents(session):
+            if all(w.document is not document for w in self.watched):
+                self.watch(document)
+
+    def open(self, home: Path) -> None:
+        self.session.adopt(stage.opened(self.session, stage.scene_of(home)))
+        self.session.playback.playing = False
+
+    def _compare(self, what: str, front: Watched) -> None:
+        """Each document is what its history says, whatever was done in which."""
+        for watched in self.watched:
+            now = watched.content()
+            if now == watched.model.now:
+                continue
+            if watched.shared:
+                watched.shared = False
+                watched.model.forget(now)
+                self.write(watched.event("open"))
+                continue
+            whose = "the document" if watched is front else f"another document ({watched.document.name})"
+            raise Broken(f"{what}: {whose} changed, and its history does not know: {now}, and was {watched.model.now}")
+
+    def _run(self, id: str, dice: random.Random) -> str:
         operation = self.operations[id]
         if not operation.enabled(self.session):
             return f"{id} (not now)"
@@ -184,28 +186,60 @@ class Walk:
             }
         for argument in operation.arguments:
             if argument.type == "path" and argument.name in given:
-                given[argument.name] = folder / dice.choice(("other.scene.json", "sub/third.scene.json", "nowhere.glb"))
+                given[argument.name] = self._path(id, dice)
         self.operations.run(id, self.session, **given)
         return id
 
-    def _prefab(self, dice: random.Random, folder: Path) -> str:
+    def _path(self, id: str, dice: random.Random) -> Path:
+        """A file of the document in front; what is to be opened lies in a folder of its own."""
+        if id == "file.open" and dice.random() < 0.8:
+            return stage.scene_of(dice.choice(self.homes))
+        return self.front.home / dice.choice(("other.scene.json", "sub/third.scene.json", "nowhere.glb"))
+
+    def _tab(self, dice: random.Random) -> str:
+        """Open, show, move or close a document; no more than three stay open."""
+        session = self.session
+        what = dice.choice(("file.open", "show", "show", "move", "close"))
+        if what == "file.open":
+            return self._run(what, dice)
+        index = dice.randrange(len(session.tabs))
+        if what == "move":
+            tabs.move(session, index, dice.randrange(len(session.tabs)))
+        else:
+            tabs.show(session, index)
+        if what == "close" or len(session.tabs) > 3:
+            session.close()
+        return f"tab: {what}"
+
+    def _look(self, dice: random.Random) -> None:
+        """What a panel does to show something that the scene does not use: it loads it."""
+        document = self.session.document
+        assert document is not None
+        residency = document.runtime.residency
+        with self.session.device_frame():
+            if dice.random() < 0.5:
+                residency.load_mesh_file(dice.choice(sorted(self.front.home.glob("*.lmesh"))))
+            else:
+                residency.load_material(dice.choice(sorted(self.front.home.rglob("*.material.toml"))))
+
+    def _prefab(self, dice: random.Random) -> str:
         """An operation on an instance that there is, more often than chance selects one."""
-        document = self.document
+        document = self.session.document
         assert document is not None
         nodes = document.runtime.scene.nodes
         rows = [int(row) for row in range(len(nodes)) if nodes.alive[row] and prefabs.root_of(document, row) == row]
         if rows and dice.random() < 0.7:
             document.select(dice.choice(rows))
-        return self._run(dice.choice(PREFABS) if rows else "prefab.make", dice, folder)
+        return self._run(dice.choice(PREFABS) if rows else "prefab.make", dice)
 
     def _drag(self, dice: random.Random) -> None:
         """A gesture of some steps on one target, as a widget makes it; now and then back to where it began."""
-        assert self.document is not None
+        assert self.session.document is not None
         given = self.operations["edit.set"].sample
         assert given is not None
         order = given(self.session, dice)
         table, column, rows = order["table"], order["column"], order["rows"]
-        start = self.document.tables[table].read(column, rows)
+        start = self.session.document.tables[table].read(column, rows)
         for number in range(dice.randint(2, 6)):
             value = order["value"] if number % 2 == 0 else start[0] if start else None
             if table in ("lights", "cameras", "nodes", "materials"):
@@ -223,10 +257,9 @@ class Walk:
 
             work.cancel(session)
         requests = session.ui
-        if requests.after_discard is not None:
+        while requests.after_discard is not None:
             after, requests.after_discard = requests.after_discard, None
-            given_up = dice.random() < 0.05
-            if given_up and self.document is not None and session.document is self.document:
+            if dice.random() < 0.05:
                 after()
         if session.job is not None:
             session.job.wait(20)
@@ -235,11 +268,5 @@ class Walk:
         if requests.paste is not None:
             paste, requests.paste = requests.paste, None
             paste(dice.choice((requests.copy_text, "roughness = 0.3", "", "no = [toml")))
-        for tab in [tab for tab in session.tabs if tab.document is not session.document]:
-            tab.document.history.listener = None  # one document at a time: what of several is another test's
-            if tab.journal is not None:
-                tab.journal.finish()
-            tab.document.close()
-            session.tabs.remove(tab)
         session.playback.playing = False
         session.tick(0.05)

@@ -1,7 +1,8 @@
 """Random operations of the editor, undo, redo and `kill -9`: `python -m tests.fuzz.operations --count 10000 --seed 1`.
 
-    operation_stage    a scene with some of everything; its content as a hash
-    operation_walk     random operations, and what must hold after each
+    operation_stage    scenes with some of everything; the content of a document as a hash
+    operation_model    what is known of each open document: its content after every entry of its history
+    operation_walk     random operations on several documents, and what must hold after each
     operation_child    a process that walks until it is killed, and first restores what the last one left
 
 Every operation of the registry takes part, with arguments made up from their declarations: what is added there is
@@ -71,7 +72,7 @@ def _child(order: dict[str, object], base: Path, outcome: Outcome) -> None:
     answer = json.loads(answers.read_text(encoding="utf-8").splitlines()[-1]) if answers.is_file() else {}
     outcome.operations += int(answer.get("done", 0))
     outcome.counts.update(answer.get("counts", {}))
-    outcome.restored += bool(answer.get("restored"))
+    outcome.restored += int(answer.get("restored", 0))
     if done.returncode == -9:
         outcome.kills += 1
     if not answer or answer["problem"]:

@@ -38,7 +38,7 @@ def shoot(stage: Stage, spec: SceneSpec, camera: Any, *, force_all: bool) -> Pic
         "reflections": spec.reflections,
         "bloom": spec.bloom, "auto_exposure": spec.auto_exposure, "antialias": spec.antialias,
         "depth_of_field": spec.depth_of_field, "focus": 0.5, "sensor": 200.0,
-        "taa_frames": 2, "shadow_floor": spec.shadow_floor,
+        "planar_mirrors": spec.planar_mirrors, "taa_frames": 2, "shadow_floor": spec.shadow_floor,
         "shadow_size": 64, "shadow_cascades": 2, "local_shadows": spec.local_shadows, "local_shadow_size": 256,
         "force_all": force_all, "translucent_shadows": spec.translucent_shadows,
         "path": spec.path, "alpha_to_coverage": spec.cutouts_smooth,

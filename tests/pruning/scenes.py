@@ -80,6 +80,7 @@ class SceneSpec:
     antialias: str = "none"
     depth_of_field: bool = False
     shadow_floor: float = 0.0
+    planar_mirrors: int = 2
     path: str = "auto"
     cutouts_smooth: bool = True
     looks_away: bool = False
@@ -92,7 +93,9 @@ bodies = st.builds(
     place=st.integers(0, 3),
     queue=st.sampled_from(["opaque", "opaque", "alpha_test", "transparent", "background", "overlay"]),
     maps=st.lists(st.sampled_from(sorted(TEXTURES)), max_size=3, unique=True).map(tuple),
-    features=st.sampled_from([(), (), ("unlit",), ("double_sided",), ("double_sided", "unlit")]),
+    features=st.sampled_from(
+        [(), (), ("unlit",), ("double_sided",), ("double_sided", "unlit"), ("planar_reflection",)]
+    ),
     vertex_color=st.booleans(),
     emissive=st.sampled_from([0.0, 0.0, 2.0]),
     metallic=st.sampled_from([0.0, 0.4, 1.0]),

@@ -32,6 +32,11 @@ BESIDE = SceneSpec(bodies=(Body("cube", 0, metallic=0.0), Body("sphere", 1, meta
 #: a cut-out card, seen with several samples
 LEAVES = replace(LIT, bodies=(Body("card", 1, "alpha_test", ("base_color_map",)),), samples=4)
 
+#: a ball before a mirror
+MIRRORED = replace(
+    LIT, bodies=(Body("sphere", 1, metallic=0.0), Body("card", 0, features=("planar_reflection",), roughness=0.0))
+)
+
 #: fact -> two scenes that differ in that fact, and in no other but those named after it
 TOGGLES: dict[str, tuple[SceneSpec, SceneSpec, tuple[str, ...]]] = {
     "opaque": (replace(LIT, bodies=()), LIT, ("sun_shadows",)),
@@ -59,6 +64,7 @@ TOGGLES: dict[str, tuple[SceneSpec, SceneSpec, tuple[str, ...]]] = {
         replace(BESIDE, environment="uniform"), replace(BESIDE, environment="uniform", ambient_occlusion="gtao"), (),
     ),
     "indirect": (replace(BESIDE, environment="uniform"), replace(BESIDE, environment="uniform", gi="one"), ()),
+    "planar": (replace(MIRRORED, planar_mirrors=0), MIRRORED, ()),
     "bloom": (LIT, replace(LIT, bloom=0.3), ()),
     "auto_exposure": (LIT, replace(LIT, auto_exposure=True), ()),
     "shadow_floor": (
@@ -82,8 +88,8 @@ TOGGLES: dict[str, tuple[SceneSpec, SceneSpec, tuple[str, ...]]] = {
 #: facts that are not of the scene: what they must do instead is tested below; of `lighting`, its paths and G-buffer, by
 #: test_path_agreement.py and tests/stability/test_paths.py; of `quality` and `stencil`, what an effect says of
 #: them, in tests/render/test_effect_stages.py and test_effect_passes.py; `motion` and `moving` show in what is gathered
-#: over frames alone: tests/render/test_motion.py
-NOT_OF_THE_SCENE = {"hdr_output", "force_all", "quality", "stencil", "lighting", "motion", "moving"}
+#: over frames alone: tests/render/test_motion.py; `depth_asked` must change nothing: tests/render/test_depth_first.py
+NOT_OF_THE_SCENE = {"depth_asked", "hdr_output", "force_all", "quality", "stencil", "lighting", "motion", "moving"}
 
 
 @given(spec=specs)

@@ -173,6 +173,7 @@ ROWS = (
     Row("light.bad-values", "negative, not a number, 1e8; radius 0; cones of 0 and 180 degrees"),
     Row("light.order", "lights and nodes in any order"),
     Row("light.tile-depth", "tiles of sky only, of sky and one body, of many depths"),
+    Row("light.tile-discontinuities", "tiles that hold near and far: thin poles, lights in the air between them"),
     Row("light.tile-edges", "tiles of any size at odd sizes of the picture"),
     Row("light.path-agreement", "deferred = tiled = forward+"),
     Row(
@@ -192,7 +193,7 @@ ROWS = (
          _RENDER + "test_gi_motion.py::test_a_cut_forgets"),
     ),
     Row("light.all-at-once", "occlusion, bounces, mirrors, shadows and TAA together at the ends of scenes and sizes"),
-    Row("light.reflection", "camera on, under, along the mirror", waits="no planar reflection yet"),
+    Row("light.reflection", "camera on, under, along the mirror"),
     Row("light.refraction", "total internal reflection, posts before the water", waits="no refraction yet"),
     Row("facts.flicker", "a fact that is true in every other frame: graphs do not come and go, no bit changes"),
     Row("size.odd", "1x1, 17x31, one pixel wide"),

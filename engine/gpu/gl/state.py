@@ -230,6 +230,7 @@ class StateCache:
         gl.FrontFace(e.CCW if raster.front_ccw else e.CW)
         gl.PolygonMode(e.FRONT_AND_BACK, e.LINE if raster.fill == "wireframe" else e.FILL)
         self.enable(e.DEPTH_CLAMP, raster.depth_clamp)
+        self.enable(e.CLIP_DISTANCE0, raster.clip_distances > 0)
         self.enable(e.SAMPLE_ALPHA_TO_COVERAGE, raster.alpha_to_coverage)
         self.enable(e.SAMPLE_MASK, raster.sample_mask != 0xFFFFFFFF)
         if raster.sample_mask not in (0xFFFFFFFF, self.sample_mask):
@@ -346,7 +347,7 @@ class StateCache:
             gl.BindBuffer(target, 0)
         gl.ClipControl(e.LOWER_LEFT, e.NEGATIVE_ONE_TO_ONE)
         for what in (
-            e.BLEND, e.CULL_FACE, e.DEPTH_TEST, e.SCISSOR_TEST, e.DEPTH_CLAMP, e.POLYGON_OFFSET_FILL,
+            e.BLEND, e.CULL_FACE, e.DEPTH_TEST, e.SCISSOR_TEST, e.DEPTH_CLAMP, e.CLIP_DISTANCE0, e.POLYGON_OFFSET_FILL,
             e.POLYGON_OFFSET_LINE, e.TEXTURE_CUBE_MAP_SEAMLESS, e.PROGRAM_POINT_SIZE, e.STENCIL_TEST, e.SAMPLE_MASK,
             e.SAMPLE_ALPHA_TO_COVERAGE,
         ):  # fmt: skip

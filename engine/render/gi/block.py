@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
 
 from engine.gpu.glsl_layout import Field, layout
 from engine.gpu.types import Buffer
-from engine.render.frame import RenderFrame
+
+if TYPE_CHECKING:  # frames have programs, and these know requests that know this block
+    from engine.render.frame import RenderFrame
 
 BLOCK = layout(
     [

@@ -4,7 +4,7 @@ May import what engine.render may.
 
 before.py    the frame before of each view: camera, rows of transforms, palettes, morph weights; cuts
 frame.py     FrameMotion: what a frame knows of it, for passes (RenderFrame.motion)
-programs.py  pipelines that draw what moved
+request.py   what a batch asks of the effect library to draw how far it moved
 jitter.py    where in its pixel a frame looks
 
     view + scene rows ─► before.begin ─► FrameMotion ─► passes/motion.py ─► texture "motion"

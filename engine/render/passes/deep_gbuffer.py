@@ -8,12 +8,13 @@ from typing import ClassVar
 from engine.framegraph.builder import Builder
 from engine.framegraph.passes import Pass, PassContext
 from engine.gpu.types import ColorAttachment, DepthAttachment
+from engine.render.effect_programs import EffectPrograms
 from engine.render.facts import SceneFacts
 from engine.render.frame import DEPTH_UNIT, PASS_BINDING, OtherRole, RenderFrame
 from engine.render.gbuffer import NO_REFLECTION
 from engine.render.gi.block import block_of
 from engine.render.gi.gather import DEPTHS, LIGHTS, SHAPES
-from engine.render.gi.layers import ROLE, LayerPrograms
+from engine.render.gi.layers import ROLE, layer_request
 
 NOTHING = (float(NO_REFLECTION), 0.0, 0.0, 0.0)
 
@@ -30,7 +31,7 @@ class DeepGbufferPass(Pass):
 
     def __init__(self) -> None:
         super().__init__()
-        self._programs = LayerPrograms()
+        self._programs = [EffectPrograms(ROLE, partial(layer_request, layer=layer)) for layer in range(len(DEPTHS))]
 
     def needs(self, facts: SceneFacts) -> bool | str:
         return True if facts.indirect.wanted else facts.indirect.why_not
@@ -52,6 +53,6 @@ class DeepGbufferPass(Pass):
             depth = DepthAttachment(ctx.texture(DEPTHS[layer]), clear=0.0)
             inputs = {DEPTH_UNIT: (ctx.texture(DEPTHS[0]), frame.point_sampler)} if layer else {}
             with ctx.device.render_pass(f"layer {layer}", colors, depth) as render_pass:
-                program = partial(self._programs.get, frame, layer)
+                program = partial(self._programs[layer].get, frame)
                 role = OtherRole(ROLE, program, uniforms, (ROLE, layer))
                 frame.draw_batches(render_pass, batches, 1, inputs, other=role)

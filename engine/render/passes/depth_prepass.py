@@ -18,9 +18,9 @@ class DepthPrepass(Pass):
 
     def needs(self, facts: SceneFacts) -> bool | str:
         lists = facts.local_lights and facts.lighting.path == "forward-plus"
-        if lists or facts.ambient_occlusion.wanted or facts.indirect.wanted:
+        if lists or facts.ambient_occlusion.wanted or facts.indirect.wanted or facts.depth_asked:
             return True
-        return "no lists of lights and no ambient occlusion are made from it"
+        return "nothing is made from it, and depth_first is off"
 
     def declare(self, b: Builder) -> None:
         b.create("depth", b.facts.depth_format, samples=b.facts.samples)

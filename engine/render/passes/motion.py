@@ -11,6 +11,7 @@ import numpy as np
 from engine.framegraph.builder import Builder
 from engine.framegraph.passes import Pass, PassContext
 from engine.gpu.types import Bindings, ColorAttachment, DepthAttachment
+from engine.render.effect_programs import EffectPrograms
 from engine.render.facts import SceneFacts
 from engine.render.frame import (
     DEPTH_UNIT,
@@ -24,7 +25,7 @@ from engine.render.frame import (
     VIEW_BINDING,
     RenderFrame,
 )
-from engine.render.motion.programs import BLOCK, ROLE, MotionPrograms
+from engine.render.motion.request import BLOCK, ROLE, motion_request
 
 #: rg16f, pixels; and what was drawn of it
 MOTION, DRAWN = "motion", "motion_drawn"
@@ -40,7 +41,7 @@ class MotionPass(Pass):
 
     def __init__(self) -> None:
         super().__init__()
-        self._programs = MotionPrograms()
+        self._programs = EffectPrograms(ROLE, motion_request)
 
     def needs(self, facts: SceneFacts) -> bool | str:
         if not facts.motion:

@@ -15,6 +15,7 @@ from engine.render.passes.ambient_occlusion import FILTERED, ambient_inputs
 from engine.render.passes.indirect import INDIRECT, indirect_inputs
 from engine.render.passes.light_culling import LIGHT_TILES, light_list_inputs
 from engine.render.passes.local_shadows import LOCAL_SHADOW, local_shadow_inputs
+from engine.render.passes.planar_reflections import PLANAR, PLANAR_DEPTH, planar_inputs
 from engine.render.passes.reflections import REFLECTIONS, reflection_inputs
 from engine.render.passes.shadow_cascades import SUN_MOMENTS, SUN_SHADOW, SUN_TINT, shadow_inputs
 
@@ -31,7 +32,7 @@ def surface_inputs(ctx: PassContext) -> dict[int, Any]:
     """What surface shaders look up besides their own textures, by texture unit."""
     return {
         **shadow_inputs(ctx), **local_shadow_inputs(ctx), **ambient_inputs(ctx), **indirect_inputs(ctx),
-        **reflection_inputs(ctx),
+        **reflection_inputs(ctx), **planar_inputs(ctx),
     }  # fmt: skip
 
 
@@ -58,6 +59,8 @@ class OpaquePass(Pass):
         b.read(FILTERED, optional=True)
         b.read(INDIRECT, optional=True)
         b.read(REFLECTIONS, optional=True)
+        b.read(PLANAR, optional=True)
+        b.read(PLANAR_DEPTH, optional=True)
         if lighting.path == "forward-plus":
             b.read(LIGHT_TILES)
         if b.facts.depth_first:
@@ -107,6 +110,8 @@ class OpaqueForwardPass(Pass):
         b.read(FILTERED, optional=True)
         b.read(INDIRECT, optional=True)
         b.read(REFLECTIONS, optional=True)
+        b.read(PLANAR, optional=True)
+        b.read(PLANAR_DEPTH, optional=True)
         b.write("hdr")
         b.write("depth")
 

@@ -8,11 +8,12 @@ from typing import ClassVar
 from engine.framegraph.builder import Builder
 from engine.framegraph.passes import WHOLE_PICTURE, Pass, PassContext
 from engine.gpu.types import ColorAttachment, DepthAttachment, Texture
+from engine.render.effect_programs import EffectPrograms
 from engine.render.facts import SceneFacts
 from engine.render.frame import OtherRole, RenderFrame
 from engine.render.kept import KeptParts
 from engine.render.passes.shadow_cascades import SUN_SHADOW, SUN_TINT
-from engine.render.shadows.tint_programs import ROLE, TintPrograms
+from engine.render.shadows.tint_request import ROLE, tint_request
 
 #: rgba16f: product of what each surface lets through, depth of the nearest (0: there is none)
 FORMAT = "rgba16f"
@@ -32,7 +33,7 @@ class ShadowTintsPass(Pass):
     def __init__(self) -> None:
         super().__init__()
         self._drawn: KeptParts[int] = KeptParts()
-        self._programs = TintPrograms()
+        self._programs = EffectPrograms(ROLE, tint_request)
 
     def needs(self, facts: SceneFacts) -> bool | str:
         if facts.translucent_shadows:

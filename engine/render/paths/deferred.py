@@ -15,6 +15,7 @@ from engine.render.passes.light_volumes import LightVolumesPass
 from engine.render.passes.local_shadows import LocalShadowsPass
 from engine.render.passes.motion import LateMotionPass, MotionPass
 from engine.render.passes.opaque import OpaqueForwardPass, OpaquePass
+from engine.render.passes.planar_reflections import PlanarReflectionsPass
 from engine.render.passes.radiosity import RadiosityPass
 from engine.render.passes.reflections import ReflectionsPass
 from engine.render.passes.scene_color import SceneColorPass
@@ -33,7 +34,7 @@ def deferred_passes() -> list[Pass]:
     """Each light's volume is drawn over what it reaches."""
     return [
         ShadowCascadesPass(), ShadowMomentsPass(), ShadowTintsPass(), LocalShadowsPass(), DepthPrepass(), MotionPass(),
-        AmbientOcclusionPass(),
+        PlanarReflectionsPass(), AmbientOcclusionPass(),
         DeepGbufferPass(), RadiosityPass(), BouncesPass(), IndirectPass(), ReflectionsPass(),
         OpaquePass(), LightVolumesPass(),
         LightResolvePass(), OpaqueForwardPass(), SkyPass(), ShadowFloorPass(), LightCullingPass(),
@@ -46,7 +47,7 @@ def tiled_deferred_passes() -> list[Pass]:
     """Lists of lights per tile, then one compute pass over the pixels."""
     return [
         ShadowCascadesPass(), ShadowMomentsPass(), ShadowTintsPass(), LocalShadowsPass(), DepthPrepass(), MotionPass(),
-        AmbientOcclusionPass(),
+        PlanarReflectionsPass(), AmbientOcclusionPass(),
         DeepGbufferPass(), RadiosityPass(), BouncesPass(), IndirectPass(), ReflectionsPass(),
         OpaquePass(), LightCullingPass(),
         TiledShadingPass(), OpaqueForwardPass(), SkyPass(), ShadowFloorPass(),

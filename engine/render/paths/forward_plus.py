@@ -13,6 +13,7 @@ from engine.render.passes.light_heat import LightHeatPass
 from engine.render.passes.local_shadows import LocalShadowsPass
 from engine.render.passes.motion import LateMotionPass, MotionPass
 from engine.render.passes.opaque import OpaquePass
+from engine.render.passes.planar_reflections import PlanarReflectionsPass
 from engine.render.passes.radiosity import RadiosityPass
 from engine.render.passes.reflections import ReflectionsPass
 from engine.render.passes.scene_color import SceneColorPass
@@ -29,7 +30,7 @@ from engine.render.paths.lens import lens_passes
 def forward_plus_passes() -> list[Pass]:
     return [
         ShadowCascadesPass(), ShadowMomentsPass(), ShadowTintsPass(), LocalShadowsPass(), DepthPrepass(), MotionPass(),
-        AmbientOcclusionPass(),
+        PlanarReflectionsPass(), AmbientOcclusionPass(),
         DeepGbufferPass(), RadiosityPass(), BouncesPass(), IndirectPass(), ReflectionsPass(),
         LightCullingPass(), OpaquePass(), SkyPass(), ShadowFloorPass(), LateMotionPass(), SceneColorPass(),
         TransparentPass(), LightHeatPass(), ShadowMapsPass(), *lens_passes(),

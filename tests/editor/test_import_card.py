@@ -1,0 +1,52 @@
+"""The import card: where it finds room, how much of the viewport it takes, and when it folds to one line."""
+
+from __future__ import annotations
+
+import pytest
+
+from editor.dialogs.import_card_place import BARS, EDGE, LINE, SHARE, WIDTH, YOUNG, Folding, placed
+
+
+@pytest.mark.parametrize("size", [(90.0, 50.0), (55.0, 30.0), (40.0, 24.0), (26.0, 16.0), (20.0, 9.0), (8.0, 6.0)])
+def test_it_ends_inside_the_viewport_and_covers_no_more_than_a_third_of_the_picture(size: tuple[float, float]) -> None:
+    place = placed(*size)
+    assert place.width <= max(min(WIDTH, size[0] - 2 * EDGE), 8.0)
+    picture = size[0] * (size[1] - BARS)
+    if place.whole:
+        assert place.top + place.height <= size[1]
+        assert place.width * place.height <= SHARE * picture + 1e-6
+    else:
+        assert place.line + LINE <= size[1] or place.line == BARS
+    assert place.whole == (size in [(90.0, 50.0), (55.0, 30.0), (40.0, 24.0)])
+
+
+def drawn(folding: Folding, news: object, deed: object, times: int = 1, *, busy: bool = False) -> bool | None:
+    for _ in range(times):
+        folding.follow(news, deed, busy=busy)
+    return folding.whole
+
+
+def test_the_first_thing_that_the_user_does_folds_it() -> None:
+    folding, news = Folding(), object()
+    assert drawn(folding, news, "framing") is None
+    assert drawn(folding, news, "framed", YOUNG) is None, "what the window does by itself is nobody's deed"
+    assert drawn(folding, news, "framed", 100) is None
+    assert drawn(folding, news, "selected") is False
+    assert drawn(folding, object(), "selected") is None, "another import is shown"
+
+
+def test_one_that_was_opened_by_hand_stays_and_one_that_was_folded_too() -> None:
+    folding, news = Folding(), object()
+    drawn(folding, news, "at first", 2 * YOUNG)
+    folding.choose(whole=True)
+    assert drawn(folding, news, "turned") is True
+    folding.choose(whole=False)
+    assert drawn(folding, news, "turned again", 10) is False
+
+
+def test_its_own_fixes_leave_it_open() -> None:
+    folding, first, second = Folding(), object(), object()
+    drawn(folding, first, "at first", 2 * YOUNG)
+    assert drawn(folding, first, "at first", 3, busy=True) is None
+    assert drawn(folding, second, "imported again", 20) is None
+    assert drawn(folding, first, "taken back") is False, "an undo is a deed, and what was seen is not shown anew"

@@ -1,0 +1,90 @@
+"""A walk through every panel of the real window, one picture a step, to be looked at.
+
+`panels_window_ui.py FOLDER [--asset PATH] [--scale 2.0] [--theme high-contrast] [--language zh] [--size 1400x900]
+[--only textures,graph]`: without an asset it writes a small project into FOLDER. The pictures are FOLDER/NN-step.png.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).resolve().parents[3]
+sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "editor" / "support"), str(ROOT / "tests" / "support")]
+
+from small_scene import write_small_scene  # noqa: E402  (needs the path above)
+from window_run import WindowRun  # noqa: E402  (needs the path above)
+
+#: panels that the walk opens, in the order of its pictures
+PANELS = (
+    "Scene", "Assets", "Inspector", "Lights", "Render settings", "Log", "Timings", "Variants", "Shader editor",
+    "Timeline", "State graph", "Blend space", "Masks", "History", "Frame graph", "Textures", "Report", "Numbers",
+    "Console", "Plug-ins", "Preferences", "Material preview", "BRDF explorer", "Compare",
+)  # fmt: skip
+
+
+def show(run: WindowRun, title: str) -> None:
+    run.session.ui.focus_panel = title
+    run.ctx.yield_(5)
+
+
+def window(run: WindowRun, title: str) -> Any:
+    """The dockable window of a panel."""
+    return next(w for w in run.app.params.docking_params.dockable_windows if w.label.endswith(f"###{title}"))
+
+
+def panels(run: WindowRun) -> None:
+    """Each panel where it stands."""
+    document = run.session.document
+    meshes = document.runtime.scene.instances.node
+    document.select(int(meshes[0]))
+    for title in PANELS:
+        opened = window(run, title).is_visible
+        show(run, title)
+        run.shot(title.lower().replace(" ", "-"))
+        if not opened:  # as it was, or the docks fill up
+            window(run, title).is_visible = False
+            run.ctx.yield_(2)
+
+
+STEPS: dict[str, Callable[[WindowRun], None]] = {"panels": panels}
+
+
+def steps(run: WindowRun, path: Path, only: list[str]) -> None:
+    session = run.session
+    run.do(lambda: session.open(path))
+    assert run.until(lambda: session.document is not None and session.image.frame is not None), session.ui.error_bar
+    session.playback.playing = False
+    run.ctx.yield_(8)
+    run.shot("opened")
+    session.ui.import_card = False
+    for name, step in STEPS.items():
+        if not only or name in only:
+            step(run)
+
+
+def main(argv: list[str]) -> dict[str, Any]:
+    parser = argparse.ArgumentParser()
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--asset", type=Path)
+    parser.add_argument("--scale", type=float, default=1.0)
+    parser.add_argument("--theme", default="dark")
+    parser.add_argument("--language", default="en")
+    parser.add_argument("--size", default="1400x860")
+    parser.add_argument("--only", default="")
+    chosen = parser.parse_args(argv)
+    path = chosen.asset or write_small_scene(chosen.folder / "game")
+    width, height = (int(n) for n in chosen.size.split("x"))
+    run = WindowRun(chosen.folder, size=(width, height))
+    preferences = run.session.preferences
+    preferences.ui_scale, preferences.theme, preferences.language = chosen.scale, chosen.theme, chosen.language
+    run.play(lambda r: steps(r, path, [n for n in chosen.only.split(",") if n]))
+    return {"shots": run.shots, "error": run.error}
+
+
+if __name__ == "__main__":
+    sys.stdout.write("\n" + json.dumps(main(sys.argv[1:])) + "\n")
