@@ -24,6 +24,7 @@ from editor.session import Session
 from editor.shadow_floor import add_shadow_floor_operations
 from editor.strings import LANGUAGES
 from editor.surroundings import add_surroundings_operations
+from editor.texture_operations import add_texture_operations
 from editor.turntable import add_turntable_operations
 from editor.welcome import add_welcome_operations
 from engine.render.settings import DEBUG_VIEWS, VIEW_LEGENDS
@@ -450,6 +451,7 @@ def builtin_operations() -> Operations:
     add_history_operations(ops)
     add_compare_operations(ops)
     add_layout_operations(ops)
+    add_texture_operations(ops)
     add_look_operations(ops)
     add_surroundings_operations(ops)
     add_turntable_operations(ops)

@@ -251,6 +251,7 @@ class Document:
         if isinstance(edit, StructureCommand):
             edit.apply(self)
             follow_drifts(self)
+            getattr(self.runtime, "follow_structure", lambda: None)()
             return
         assert isinstance(edit, Command)
         try:

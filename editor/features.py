@@ -97,7 +97,8 @@ FEATURES = (
        "compare.measure", "Compare"),
     _f("Frame graph, and what is left out and why", "view.panel-frame-graph view.measure-left-out", "Frame graph",
        "render"),
-    _f("Textures and targets, channels, pixels, NaN", "view.panel-textures view.check-numbers view.mark-numbers",
+    _f("Textures and targets, channels, pixels, NaN", "view.panel-textures texture.show texture.show-target "
+       "view.check-numbers view.mark-numbers",
        "Textures, Numbers", "inspect"),
     _f("Error against run time", "view.report report.run report.apply report.write", "Report", "report"),
     _f("Screenshots, turntables", "file.screenshot view.turntable file.save-turntable", "Viewport", "render"),

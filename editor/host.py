@@ -87,7 +87,7 @@ class EngineHost:
         runtime.sleepy = True
         try:
             runtime.open(scene, baker=baker_for(scene.parent), root=root, base=base)
-        except BaseException:
+        except BaseException:  # an interrupt, too, leaves nothing behind
             runtime.close()
             raise
         return runtime

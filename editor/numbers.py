@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Any
 
 from editor.session import Session
-from editor.texture_view import overwritten
 from engine.report.number_check import NumberReport, NumberRow
 
 VIEW = "nonfinite"
@@ -79,8 +78,6 @@ def go_to(session: Session, row: NumberRow) -> None:
     why = ""
     if desc is None or desc.samples > 1 or desc.kind == "3d":
         why = "cannot be read (several samples a pixel)"
-    elif overwritten(plan, row.resource):
-        why = "was written over later in the frame"
     if why:
         resource, level, layer = "color", 0, 0
         note = f"{row.resource} {why}: this is the finished picture"

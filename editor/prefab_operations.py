@@ -1,18 +1,21 @@
-"""Operations on prefabs: make, place, open, revert, apply."""
+"""Operations on prefabs: make, place, open, revert, apply, all of it or value by value."""
 
 from __future__ import annotations
 
+import random
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from editor import prefab_updates, prefabs
+from editor import prefab_updates, prefab_values, prefabs
 from editor.arguments import Argument
 from editor.operations import Operation, Operations
 from editor.prefabs import is_instance
 from editor.requests import ChooseFile
 from editor.session import Session
+from engine.assets.prefab import FIELDS
 
 
 def add_prefab_operations(ops: Operations) -> None:
@@ -32,6 +35,22 @@ def add_prefab_operations(ops: Operations) -> None:
         about="In a tab of its own; saving it changes all instances")  # fmt: skip
     add("prefab.choose", "Instance of a prefab or model…", _choose, menu="Add", enabled=_has_document, first=True,
         about="Files dragged from the assets into the viewport are placed, too")  # fmt: skip
+    value = (
+        Argument("node", "text", doc="as the prefab knows it: the names from its top down"),
+        Argument("field", "enum", choices=(*FIELDS, prefab_values.REMOVED)),
+    )
+    ops.add(
+        Operation(
+            "prefab.revert-value", "Revert a value to the prefab", _revert_value, enabled=is_instance, arguments=value,
+            sample=_sample, doc="One of those that the inspector lists; a removed node comes back",
+        )
+    )  # fmt: skip
+    ops.add(
+        Operation(
+            "prefab.apply-value", "Apply a value to the prefab", _apply_value, enabled=is_instance, arguments=value,
+            sample=_sample, doc="One of those that the inspector lists, and all instances follow",
+        )
+    )  # fmt: skip
     ops.add(
         Operation(
             "prefab.place", "Place a prefab or model", _place, enabled=_has_document,
@@ -50,6 +69,21 @@ def _revert(session: Session) -> None:
 
 def _apply(session: Session) -> None:
     prefab_updates.apply(session)
+
+
+def _revert_value(session: Session, node: str, field: str) -> None:
+    prefab_values.revert_value(session, node, field)
+
+
+def _apply_value(session: Session, node: str, field: str) -> None:
+    prefab_updates.apply(session, (node, field))
+
+
+def _sample(session: Session, dice: random.Random) -> dict[str, Any]:
+    assert session.document is not None
+    own = prefab_values.own_values(session.document, prefab_values.selected_root(session))
+    value = dice.choice(own) if own else None
+    return {"node": value.node, "field": value.field} if value else {"node": "nobody", "field": "name"}
 
 
 def _place(session: Session, path: Path, at: tuple[float, float, float]) -> None:

@@ -13,8 +13,10 @@ from typing import TYPE_CHECKING, Any
 
 from editor import replacing, saving
 from editor.commands.replacement import settled
-from editor.prefabs import index_of, own_values, path_of, root_of
-from engine.assets.prefab import FIELDS, NODE, ROOT, instance_nodes, keys_of, map_files, members
+from editor.prefab_values import REMOVED, changes, nothing_own
+from editor.prefabs import index_of, path_of, root_of
+from engine.assets.clip_nodes import clip_number
+from engine.assets.prefab import FIELDS, NODE, ROOT, file_of, instance_nodes, keys_of, map_files, members
 from engine.assets.scene import SceneAsset
 from engine.assets.scene_json import format_scene, read_scene, write_scene
 from engine.core.errors import InputError, LucarnaError
@@ -28,30 +30,35 @@ if TYPE_CHECKING:
 LOOK = 0.5
 
 
-def revert(session: Session) -> bool:
-    """Give the selected instance back what its prefab says, but for its own place."""
+#: (node, by its key in the prefab; field of it, or prefab_values.REMOVED)
+Value = tuple[str, str]
+
+
+def revert(session: Session, only: Value | None = None) -> bool:
+    """Give the selected instance back what its prefab says, but for its own place; `only` that value of it."""
     found = _selected(session)
     if found is None:
         return False
     document, row, path = found
     asset = saving.current_scene(document)
-    index = index_of(document, row)
-    said: Any = asset.nodes[index].extras[ROOT]
-    extras = {**asset.nodes[index].extras, ROOT: {**said, "changed": {}, "removed": []}}
-    asset.nodes[index] = replace(asset.nodes[index], extras=extras)
-    return _reopen(session, document, asset, f"Revert {path.name}")
+    _say(asset, index_of(document, row), *_without(*changes(document, row), only))
+    return _reopen(session, document, asset, f"Revert {path.name}" + (f": {only[0]}, {only[1]}" if only else ""))
 
 
-def apply(session: Session) -> bool:
-    """Write what the selected instance has of its own into its prefab; all other instances follow."""
+def apply(session: Session, only: Value | None = None) -> bool:
+    """Write what the selected instance has of its own into its prefab, or `only` that value; all other instances
+    follow."""
     found = _selected(session)
     if found is None:
         return False
     document, row, path = found
-    changed, removed = own_values(document, row)
+    all_changed, all_removed = changes(document, row)
+    kept, kept_removed = _without(all_changed, all_removed, only)
+    changed = {k: [f for f in v if f not in kept.get(k, ())] for k, v in all_changed.items()}
+    changed, removed = {k: v for k, v in changed.items() if v}, [k for k in all_removed if k not in kept_removed]
     if not changed and not removed:
-        session.ui.notice = "This instance has nothing of its own"
-        return True
+        session.ui.notice = nothing_own(*only) if only else "This instance has nothing of its own"
+        return only is None
     try:
         before = path.read_text("utf-8")
         prefab = read_scene(path)
@@ -66,6 +73,7 @@ def apply(session: Session) -> bool:
                 values = {n: getattr(own, n) for field in changed[key] for n in FIELDS[field]}
                 prefab.nodes[number] = replace(prefab.nodes[number], **values)
         unknown = sorted(set(changed) - set(keys))
+        renamed = {old: new for old, new in zip(keys, keys_of(prefab.nodes), strict=True) if old != new}
         prefab = without(prefab, [i for i, key in enumerate(keys) if key in removed])
         after = format_scene(prefab, str(path))
     except (LucarnaError, OSError) as error:
@@ -75,12 +83,46 @@ def apply(session: Session) -> bool:
         session.messages.warn(
             f"Of prefabs within the prefab nothing was applied: {', '.join(unknown)}", where=str(path)
         )
-    said: Any = asset.nodes[index].extras[ROOT]
-    left = {k: v for k, v in changed.items() if k in unknown}
-    extras = {**asset.nodes[index].extras, ROOT: {**said, "changed": left, "removed": []}}
-    asset.nodes[index] = replace(asset.nodes[index], extras=extras)
+    for key in unknown:
+        kept[key] = all_changed[key]
+    _say(asset, index, kept, kept_removed)
+    _rename_keys(asset, path, folder, renamed)
     steps = settled(after, path), settled(before, path)
-    return _reopen(session, document, asset, f"Apply to {path.name}", steps)
+    label = f"Apply to {path.name}" + (f": {only[0]}, {only[1]}" if only else "")
+    return _reopen(session, document, asset, label, steps)
+
+
+def _without(
+    changed: dict[str, list[str]], removed: list[str], only: Value | None
+) -> tuple[dict[str, list[str]], list[str]]:
+    """What stays the instance's own when `only` that value is not any more; without it nothing does."""
+    if only is None:
+        return {}, []
+    node, field = only
+    if field == REMOVED:
+        return changed, [key for key in removed if key != node]
+    left = {key: [f for f in own if (key, f) != only] for key, own in changed.items()}
+    return {key: own for key, own in left.items() if own}, removed
+
+
+def _rename_keys(asset: SceneAsset, path: Path, folder: Path, renamed: dict[str, str]) -> None:
+    """Let the instances of `path` know its nodes by their new names, so that they keep what is their own."""
+    for root, node in enumerate(asset.nodes) if renamed else ():
+        if not file_of(node) or NODE in node.extras or (folder / file_of(node)).resolve() != path.resolve():
+            continue
+        for i in members(asset, root):
+            key = str(asset.nodes[i].extras[NODE])
+            asset.nodes[i] = replace(asset.nodes[i], extras={**asset.nodes[i].extras, NODE: renamed.get(key, key)})
+        said: Any = node.extras[ROOT]
+        changed = {renamed.get(key, key): own for key, own in (said.get("changed") or {}).items()}
+        _say(asset, root, changed, [renamed.get(key, key) for key in said.get("removed") or ()])
+
+
+def _say(asset: SceneAsset, index: int, changed: dict[str, list[str]], removed: list[str]) -> None:
+    """Write down what the instance at node `index` has of its own."""
+    said: Any = asset.nodes[index].extras[ROOT]
+    extras = {**asset.nodes[index].extras, ROOT: {**said, "changed": changed, "removed": removed}}
+    asset.nodes[index] = replace(asset.nodes[index], extras=extras)
 
 
 def without(asset: SceneAsset, lost: Sequence[int]) -> SceneAsset:
@@ -92,9 +134,12 @@ def without(asset: SceneAsset, lost: Sequence[int]) -> SceneAsset:
     order = [i for i in range(len(asset.nodes)) if i not in gone]
     number = {old: new for new, old in enumerate(order)}
     nodes = [
-        replace(n, parent=number.get(n.parent, -1), joints=[number[j] for j in n.joints if j in number])
-        for n in (asset.nodes[i] for i in order)
-    ]
+        replace(
+            n, parent=number.get(n.parent, -1), joints=[number[j] for j in n.joints if j in number],
+            clip_node=clip_number(n, old) if asset.clips and number[old] != old else n.clip_node,
+        )
+        for old, n in ((i, asset.nodes[i]) for i in order)
+    ]  # fmt: skip
     return replace(asset, nodes=nodes, active_camera=number.get(asset.active_camera, -1))
 
 

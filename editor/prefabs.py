@@ -16,7 +16,6 @@ from editor.commands import structure
 from engine.assets.prefab import (
     NODE,
     ROOT,
-    changed_fields,
     file_of,
     instance_nodes,
     keys_of,
@@ -59,17 +58,6 @@ def path_of(document: Document, row: int) -> Path | None:
     if source is None or not file_of(source):
         return None
     return (document.scene_path.parent / file_of(source)).resolve()
-
-
-def own_values(document: Document, row: int) -> tuple[dict[str, list[str]], list[str]]:
-    """What the instance at `row` has of its own: (node -> fields, nodes that it lacks)."""
-    path = path_of(document, row)
-    asset = saving.edited_scene(document.runtime, document.overrides)
-    saving.know_prefabs(document, asset)
-    prefab = next((nodes for p, nodes in document.prefabs.items() if p.resolve() == path), None)
-    if prefab is None:
-        return {}, []
-    return changed_fields(asset, index_of(document, row), prefab)
 
 
 def index_of(document: Document, row: int) -> int:

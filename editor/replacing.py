@@ -65,7 +65,7 @@ def replace_scene(
         edit = Replacement(standing(document), Standing(values), label, of_view, steps)
         session.end_gesture()
         document.history.do(edit)
-    except BaseException:
+    except BaseException:  # an interrupt, too, leaves nothing behind
         if document.runtime is not runtime:
             with session.device_frame():
                 runtime.close()

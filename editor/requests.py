@@ -68,3 +68,5 @@ class UiRequests:
     dragged: Path | None = None
     #: a texel to show in the texture viewer (numbers.PixelRequest), or None
     show_pixel: Any = None
+    #: what to show in the texture viewer: a target of the frame by name, or an image file
+    show_texture: str | Path = ""

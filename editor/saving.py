@@ -11,7 +11,7 @@ import copy
 import filecmp
 import os
 import shutil
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path, PurePosixPath
 from typing import Any
@@ -156,13 +156,14 @@ def edited_scene(runtime: Any, overrides: Mapping[tuple[str, str, int], Any]) ->
     """A copy of the runtime's scene asset with the user's values."""
     scene = runtime.scene
     if is_restructured(scene, runtime.asset):
-        return _restructured(scene, runtime.asset, overrides)
+        driven = getattr(getattr(runtime, "instance_clips", None), "driven", frozenset())
+        return _restructured(scene, runtime.asset, overrides, driven)
     asset: SceneAsset = copy.deepcopy(runtime.asset)
     for (table, column, row), value in overrides.items():
         if table == "nodes":
-            _apply_to_node(asset.nodes[row], column, value)
+            apply_to_node(asset.nodes[row], column, value)
         elif table == "objects":
-            _apply_to_object(asset.nodes[row], column, value)
+            apply_to_object(asset.nodes[row], column, value)
         elif table == "lights":
             light = asset.nodes[int(scene.lights.node[row])].light
             if light is not None:
@@ -188,8 +189,11 @@ def is_restructured(scene: Any, base: SceneAsset) -> bool:
     return bool((np.asarray(scene.nodes.parent)[rows] != [n.parent for n in base.nodes]).any())
 
 
-def _restructured(scene: Any, base: SceneAsset, overrides: Mapping[tuple[str, str, int], Any]) -> SceneAsset:
-    """The scene as it is, except that nodes of the file that nobody moved keep the file's place, not their pose."""
+def _restructured(
+    scene: Any, base: SceneAsset, overrides: Mapping[tuple[str, str, int], Any], driven: Collection[int]
+) -> SceneAsset:
+    """The scene as it is, except that nodes of the file that nobody moved keep the file's place, not their pose, and
+    those of instances placed since, where clips of their prefabs have `driven` them, the prefab's."""
     from engine.scene.convert import parents_first
 
     asset: SceneAsset = scene.to_asset(base)
@@ -197,16 +201,15 @@ def _restructured(scene: Any, base: SceneAsset, overrides: Mapping[tuple[str, st
     for node in asset.nodes:
         if -1 in node.joints:  # a joint was deleted: the mesh is rigid now, as it is in the window
             node.joints = []
-    of_file: set[int] = set()
-    for old, row in zip(base.nodes, scene.row_of_node.tolist(), strict=True):
-        if row >= 0:
-            of_file.add(row)
-            node = asset.nodes[index_of[row]]
-            node.translation, node.rotation, node.scale = old.translation, old.rotation, old.scale
-            node.matrix = old.matrix
+    rests = {row: old for old, row in zip(base.nodes, scene.row_of_node.tolist(), strict=True) if row >= 0}
+    rests |= {row: scene.sources[row] for row in driven if row not in rests and row in scene.sources}
+    for row, old in rests.items():
+        node = asset.nodes[index_of[row]]
+        node.translation, node.rotation, node.scale = old.translation, old.rotation, old.scale
+        node.matrix = old.matrix
     for (table, column, row), value in overrides.items():
-        if table == "nodes" and row in of_file:
-            _apply_to_node(asset.nodes[index_of[row]], column, value)
+        if table == "nodes" and row in rests:
+            apply_to_node(asset.nodes[index_of[row]], column, value)
     for (table, _column, row), value in overrides.items():
         if table == BOOKMARKS:
             save_to(asset, row, value)
@@ -254,7 +257,8 @@ def _animation_name(present: str, target: Path) -> str:
     return present if present and _inside(present) else f"{scene_stem(target)}.animation.toml"
 
 
-def _apply_to_node(node: NodeAsset, column: str, value: Any) -> None:
+def apply_to_node(node: NodeAsset, column: str, value: Any) -> None:
+    """What the user said of a node, in a column of the table of nodes."""
     if column == "skinning":
         node.extras = {**node.extras, "skinning": value}
         return
@@ -271,7 +275,7 @@ def _apply_to_node(node: NodeAsset, column: str, value: Any) -> None:
         node.matrix = None
 
 
-def _apply_to_object(node: NodeAsset, column: str, value: Any) -> None:
+def apply_to_object(node: NodeAsset, column: str, value: Any) -> None:
     """A parameter of the material in a slot, on this object alone; None: as the material says."""
     if node.mesh is None:
         return

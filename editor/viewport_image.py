@@ -104,6 +104,8 @@ class ViewportImage:
         rehearsal = getattr(session.document.runtime, "rehearsal", None) if session.document is not None else None
         if self.patience is None or rehearsal is None or not session.preferences.prepare_views:
             return
+        if session.software:  # its programs are made as they draw: each would hold the window up
+            return
         if session.interacting or session.playback.playing or self.compiling is not None:
             return
         if self.clock() - self._rested < REST:

@@ -87,7 +87,7 @@ def load_module(path: Path) -> Any:
     try:
         source = path.read_text(encoding="utf-8")  # not by the loader: its cache knows whole seconds only
         exec(compile(source, str(path), "exec"), module.__dict__)
-    except BaseException:
+    except BaseException:  # an interrupt, too, leaves nothing behind
         if before is None:
             del sys.modules[name]
         else:

@@ -43,7 +43,9 @@ class AnimationEditor:
         from engine.app.animation import fresh_text
 
         document = self._document()
-        return fresh_text(document.runtime.scene.name or document.name, document.runtime.clips)
+        runtime: Any = document.runtime
+        own = runtime.clips[: runtime.own_clips] or runtime.clips
+        return fresh_text(runtime.scene.name or document.name, own)
 
     def create(self) -> None:
         """Open a fresh animation where there is none."""

@@ -74,8 +74,10 @@ class Replacement:
         return self.label
 
     def apply(self, document: Document) -> None:
-        """Bring the document to the state after this entry; before it, remember how it stands."""
-        self.steps[0]()
+        """Bring the document to the state after this entry; before it, remember how it stands. Who only visits that
+        state leaves the files where they are."""
+        if not document.history.visited:
+            self.steps[0]()
         self.before.values.update(standing(document).values)
         for name, value in self.after.values.items():
             setattr(document, name, value)
@@ -119,7 +121,8 @@ class FileStep:
         return self.label
 
     def apply(self, document: Document) -> None:
-        self.steps[0]()
+        if not document.history.visited:
+            self.steps[0]()
 
 
 def settled(text: str, path: Path) -> Callable[[], None]:

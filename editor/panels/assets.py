@@ -259,7 +259,8 @@ class AssetsPanel(Panel):
 
     @staticmethod
     def _can_open(entry: Entry) -> bool:
-        return can_open(entry) or entry.kind == "folder" or sort_of(entry.name) == MATERIALS or _is_text(entry)
+        openable = can_open(entry) or entry.kind == "folder" or _is_text(entry)
+        return openable or sort_of(entry.name) in (MATERIALS, TEXTURES)
 
     def _open(self, ui: Ui, entry: Entry) -> None:
         if entry.kind == "folder":
@@ -267,6 +268,8 @@ class AssetsPanel(Panel):
             self.folder = entry.path.relative_to(self._root)
         elif sort_of(entry.name) == MATERIALS:
             _preview(ui, entry.path)
+        elif sort_of(entry.name) == TEXTURES:
+            ui.operations.run("texture.show", ui.session, path=entry.path)
         elif can_open(entry):
             ui.session.open(entry.path)
         elif _is_text(entry):
@@ -277,6 +280,8 @@ class AssetsPanel(Panel):
             self._open(ui, entry)
         if _can_place(entry) and imgui.menu_item_simple("Place in the scene"):
             ui.operations.run("prefab.place", ui.session, path=entry.path, at=tuple(ui.session.camera.target))
+        if sort_of(entry.name) == ENVIRONMENTS and imgui.menu_item_simple("Look at the texture"):
+            ui.operations.run("texture.show", ui.session, path=entry.path)
         if sort_of(entry.name) == ENVIRONMENTS and imgui.menu_item_simple("Light the scene with it"):
             dropping.light_with(ui.session, entry.path)
         if sort_of(entry.name) == MODELS and imgui.menu_item_simple("Put the previewed material on it"):

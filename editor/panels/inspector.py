@@ -16,6 +16,7 @@ from editor.panels.inspector_deforming import draw_deforming
 from editor.panels.inspector_fields import CAMERA, LOOK, SLOW_OF_SKY, environment_fields
 from editor.panels.inspector_light import LightEditor
 from editor.panels.inspector_material import draw_materials
+from editor.panels.inspector_prefab import PrefabPart
 from editor.param_widgets import param_row
 from editor.rotation import euler_from_quaternion, quaternion_from_euler
 from editor.ui import Ui
@@ -38,6 +39,7 @@ class InspectorPanel(Panel):
         #: and values shown but not applied yet, see SLOW_OF_SKY
         self._pending: dict[tuple[str, str, int], Any] = {}
         self._lights = LightEditor()
+        self._prefab = PrefabPart()
         self._euler: dict[int, tuple[tuple[float, ...], tuple[float, float, float]]] = {}
 
     def draw(self, ui: Ui) -> None:
@@ -69,6 +71,7 @@ class InspectorPanel(Panel):
         imgui.spacing()
         if section(ui, "Transform"):
             self._transform(ui, document, row)
+        self._prefab.draw(ui, document, row)
         instances = np.flatnonzero(np.asarray(scene.instances.node) == row)
         if len(instances):
             self._mesh(ui, document, instances)

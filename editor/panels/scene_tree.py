@@ -7,7 +7,7 @@ from typing import ClassVar
 
 from imgui_bundle import imgui
 
-from editor import icons, prefabs, theme
+from editor import icons, prefab_values, prefabs, theme
 from editor.document import Document
 from editor.editing_operations import reparent
 from editor.panels.base import Panel
@@ -192,7 +192,7 @@ class SceneTreePanel(Panel):
             return
         key = (row, document.history.revision)
         if self._told[0] != key:
-            changed, removed = prefabs.own_values(document, row)
+            changed, removed = prefab_values.changes(document, row)
             lines = [f"{node}: {', '.join(fields)}" for node, fields in list(changed.items())[:12]]
             lines += [f"{node}: removed" for node in removed[:12]]
             own = "\n".join(lines) if lines else "nothing of its own"

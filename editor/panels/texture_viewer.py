@@ -1,8 +1,8 @@
-"""Texture viewer: any target of the last frame, any texture of a material: channels, mips, exposure, pixel values."""
+"""Texture viewer: any target of the last frame, any texture of a material, the renderer's tables, any image file:
+channels, mips, faces, layers, exposure, range, marks for what is no number, values under the pointer."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -11,29 +11,27 @@ from imgui_bundle import imgui
 from numpy.typing import NDArray
 
 from editor import icons, theme
-from editor.panels.base import Panel
-from editor.texture_view import CHANNELS, as_float, overwritten, picture, value_range
+from editor.flowing import button_width, field_width, flow_field, flow_icon
+from editor.panels.base import ASSET, Panel
+from editor.panels.texture_canvas import Canvas
+from editor.picture_files import PictureFiles
+from editor.texture_sources import ALL_FACES, FACES, KINDS, Level, Source, list_sources, read
+from editor.texture_view import CHANNELS, depth_range, normals, not_numbers, picture, value_range
+from editor.thumbnail_maker import ENVIRONMENTS, TEXTURES, sort_of
 from editor.ui import Ui
-from editor.widgets import em, empty_state, fitted, icon_button, mono, text, tooltip
+from editor.widgets import em, empty_state, fitted, flow, icon_button, mono, text, tooltip
 from engine.core.errors import LucarnaError
 from engine.framegraph.dump import extent
-from engine.framegraph.resources import human_bytes, texture_bytes
+from engine.framegraph.resources import human_bytes
 from engine.gpu.types import TextureDesc
 
 #: screen pixels a texel when one is to be shown
 PIXEL_ZOOM = 16.0
-
-
-@dataclass(frozen=True, slots=True)
-class Source:
-    """Something to look at. `kind`: target (of the frame graph, by name) or material (id and slot)."""
-
-    kind: str
-    name: str
-    material: int = -1
-    label: str = ""
-    note: str = ""
-    lost: bool = False
+DOCS = {
+    "rgb": "Show colours", "r": "Show R", "g": "Show G", "b": "Show B", "a": "Show A",
+    "luma": "Show luminance (Rec. 709)", "normal": "Show normals: -1 to 1 as dark to bright, z made of x and y",
+}  # fmt: skip
+NAMES = {"rgb": "RGB", "luma": "Y", "normal": "N"}
 
 
 class TextureViewerPanel(Panel):
@@ -43,16 +41,18 @@ class TextureViewerPanel(Panel):
 
     def __init__(self) -> None:
         self.source: Source | None = None
+        self.file: Path | None = None
+        self.files = PictureFiles()
         self.level = 0
         self.layer = 0
         self.channels = "rgb"
         self.stops = 0.0
         self.low, self.high = 0.0, 1.0
-        self.zoom = 0.0  # 0 fits the panel
+        self.canvas = Canvas()
+        self.image: Level | None = None
         self.values: NDArray[np.float32] | None = None
         self.problem = ""
-        self._desc: Any = None
-        self._linear = False
+        self.bad = (0, 0)
         self._read_key: object = None
         self._shown_key: object = None
         self._texture: Any = None
@@ -60,31 +60,40 @@ class TextureViewerPanel(Panel):
         #: the texel that was asked for: x, y of the level; None when another source was chosen
         self.marked: tuple[int, int] | None = None
         self._note = ""
-        self._scroll = False
 
     def draw(self, ui: Ui) -> None:
+        ui.keep_live()
         session = ui.session
         if session.document is not self._owner:
-            self._owner, self.source, self.values = session.document, None, None
+            self._owner, self.source, self.image, self.values = session.document, None, None, None
             self._read_key = self._shown_key = None
-        sources = [] if session.null_pictures else list_sources(session)
+        if isinstance(session.ui.show_texture, Path):
+            self.file = session.ui.show_texture
+        sources = [] if session.null_pictures else list_sources(session, self.file)
         if not sources:
             empty_state(icons.TEXTURE, "No textures yet", "They are there once a scene is drawn")
             return
         if self.source not in sources:
-            targets = [s for s in sources if s.kind == "target" and not s.lost]
-            self.source = targets[-1] if targets else sources[0]
-            self._reset()
+            targets = [s for s in sources if s.kind == "target" and s.samples == 1]
+            self._take(targets[-1] if targets else sources[0])
         self._go(ui, sources)
-        self._bar(ui, sources)
+        self._bar(sources)
         self._read(ui)
-        if self.problem or self.values is None:
-            empty_state(icons.WARNING, self.problem or "Nothing to show")
-            return
-        self._picture(ui)
+        if self.problem:
+            empty_state(icons.WARNING, self.problem)
+        elif self.image is None:
+            empty_state(icons.WAITING, "It is being read")
+        else:
+            self._picture(ui)
+        self._drop(ui)
 
     def _go(self, ui: Ui, sources: list[Source]) -> None:
-        """Take over the texel that someone wants to be shown."""
+        """Take over what someone wants to be shown."""
+        asked, ui.session.ui.show_texture = ui.session.ui.show_texture, ""
+        if asked:
+            found = next((s for s in sources if s.name == str(asked) and s.kind in ("target", "file")), None)
+            if found is not None:
+                self._take(found)
         wanted = ui.session.ui.show_pixel
         if wanted is None:
             return
@@ -92,135 +101,178 @@ class TextureViewerPanel(Panel):
         found = next((s for s in sources if s.kind == "target" and s.name == wanted.resource), None)
         if found is None:
             return
-        self.source = found
-        self._reset()
+        self._take(found)
         self.level, self.layer, self.marked, self._note = wanted.level, wanted.layer, (wanted.x, wanted.y), wanted.note
-        self.zoom, self._scroll = PIXEL_ZOOM, True
+        self.canvas.show(wanted.x, wanted.y, PIXEL_ZOOM)
 
-    def _bar(self, ui: Ui, sources: list[Source]) -> None:
+    def _drop(self, ui: Ui) -> None:
+        """An image that is let go over the picture is shown."""
+        if not imgui.begin_drag_drop_target():
+            return
+        dragged = ui.session.ui.dragged
+        if imgui.accept_drag_drop_payload_py_id(ASSET) is not None and dragged is not None and shows(dragged):
+            ui.session.ui.show_texture = dragged
+        imgui.end_drag_drop_target()
+
+    # --- above the picture ---
+
+    def _bar(self, sources: list[Source]) -> None:
         assert self.source is not None
-        imgui.set_next_item_width(em(16))
+        field_width(16)
         if imgui.begin_combo("##source", self.source.label, imgui.ComboFlags_.height_large):
             kind = ""
             for source in sources:
                 if source.kind != kind:
                     kind = source.kind
-                    imgui.separator_text("Targets of the frame" if kind == "target" else "Materials")
+                    imgui.separator_text(KINDS[kind])
                 if imgui.selectable(f"{source.label}##{source.kind}{source.material}", source == self.source)[0]:
-                    self.source = source
-                    self._reset()
+                    self._take(source)
                 tooltip(source.note)
             imgui.end_combo()
+        tooltip(f"{self.source.label}\n{self.source.note}")
         for name in CHANNELS:
-            imgui.same_line(0, em(0.5 if name == "rgb" else 0.1))
-            if icon_button(f"{name.upper()}##channel", f"Show {name.upper()}", active=name == self.channels):
+            label = NAMES.get(name, name.upper())
+            if flow_icon(label, "channel", DOCS[name], gap=0.5 if name == "rgb" else 0.1, active=name == self.channels):
                 self.channels = name
-        imgui.same_line(0, em(0.6))
-        imgui.set_next_item_width(em(5.5))
+        flow_field(5.5, gap=0.6)
         _changed, self.stops = imgui.drag_float("##stops", self.stops, 0.05, -20.0, 20.0, "%+.1f EV")
         tooltip("Exposure of this view")
-        imgui.same_line(0, em(0.4))
-        imgui.set_next_item_width(em(9))
+        flow_field(9)
         _changed, (self.low, self.high) = imgui.drag_float2("##range", [self.low, self.high], 0.005, 0, 0, "%.3g")
         tooltip("What is shown as black and as white")
-        imgui.same_line(0, em(0.2))
-        if icon_button(f"{icons.SCALE}##fit-range", "Black and white at the smallest and largest value"):
-            self.low, self.high = value_range(self.values) if self.values is not None else (0.0, 1.0)
-        desc = self._desc
-        if desc is not None and desc.mips > 1:
-            imgui.same_line(0, em(0.6))
-            imgui.set_next_item_width(em(5))
+        if flow_icon(icons.SCALE, "fit-range", "Black and white at the smallest and largest value", gap=0.2):
+            self._fit_range()
+        if flow_icon(icons.RESET, "no-range", "As it is: 0 EV, black at 0, white at 1"):
+            self.stops, self.low, self.high = 0.0, 0.0, 1.0
+        self._places()
+
+    def _places(self) -> None:
+        """Which mip, which face or layer."""
+        image = self.image
+        if image is None or self.source is None:
+            return
+        desc = image.desc
+        if desc.mips > 1:
+            flow_field(5.5, gap=0.6)
             _changed, self.level = imgui.slider_int("##mip", min(self.level, desc.mips - 1), 0, desc.mips - 1, "mip %d")
-        layers = 1 if desc is None else 6 if desc.kind == "cube" else max(desc.layers, desc.depth)
-        if self.source.kind == "target" and layers > 1:
-            imgui.same_line(0, em(0.4))
-            imgui.set_next_item_width(em(5))
-            _changed, self.layer = imgui.slider_int("##layer", min(self.layer, layers - 1), 0, layers - 1, "layer %d")
+        if self.source.kind == "material" or image.layers == 1:
+            return
+        if desc.kind == "cube":
+            flow_field(6)
+            names = FACES if self.source.kind == "target" else (*FACES, "All faces")
+            now = self.layer if 0 <= self.layer < 6 else 6
+            changed, now = imgui.combo("##face", min(now, len(names) - 1), list(names))
+            if changed:
+                self.layer = now if now < 6 else ALL_FACES
+            return
+        flow_field(6)
+        last = image.layers - 1
+        word = "slice %d" if desc.kind == "3d" else "layer %d"
+        _changed, self.layer = imgui.slider_int("##layer", min(max(self.layer, 0), last), 0, last, word)
+
+    # --- reading ---
 
     def _read(self, ui: Ui) -> None:
         """Fetch the level's numbers when something else is to be shown, or a new frame changed a target."""
         session, source = ui.session, self.source
         assert source is not None
-        key = (source, self.level, self.layer, session.image.renders if source.kind == "target" else 0)
+        live = session.image.renders if source.kind in ("target", "renderer") else 0
+        key = (source, self.level, self.layer, live, _stamp(source))
         if key == self._read_key:
             return
-        self._read_key, self._shown_key, self.problem = key, None, ""
+        first = self.image is None
         try:
-            with session.device_frame():
-                texture, layer = find_texture(session, source)
-                if source.kind == "target":
-                    layer = self.layer
-                self._desc = texture.desc
-                self.level = min(self.level, texture.desc.mips - 1)
-                pixels = np.asarray(texture.read(level=self.level, layer=layer))
-                self._linear = pixels.dtype.kind == "f" and not texture.desc.format.startswith("d")
-                self.values = as_float(pixels)
+            found = read(session, source, self.level, self.layer, self.files)
         except (LucarnaError, KeyError, ValueError, AssertionError) as error:
-            self.values, self.problem = None, f"Cannot be read: {error}"
+            self._read_key, self.image, self.values, self.problem = key, None, None, f"Cannot be read: {error}"
+            return
+        if found is None:  # on its way: what was there stays
+            return
+        self._read_key, self._shown_key, self.problem = key, None, ""
+        self.image, self.values = found, found.values
+        self.level = min(self.level, found.desc.mips - 1)
+        self.bad = not_numbers(found.values)
+        if first and found.depth:
+            self.low, self.high = depth_range(found.values)
+
+    def _fit_range(self) -> None:
+        if self.image is None:
+            return
+        self.low, self.high = (depth_range if self.image.depth else value_range)(self.image.values)
+
+    # --- the picture ---
 
     def _picture(self, ui: Ui) -> None:
         assert self.values is not None
         self._upload(ui)
         height, width = self.values.shape[:2]
         room = imgui.get_content_region_avail()
-        footer = imgui.get_frame_height() + em(0.3)
-        fit = min(room.x / width, max(room.y - footer, 1.0) / height)
-        zoom = self.zoom or fit
-        if imgui.begin_child("pixels", (0, -footer), 0, imgui.WindowFlags_.horizontal_scrollbar):
-            space = imgui.get_content_region_avail()
-            at = imgui.get_cursor_pos()
-            imgui.set_cursor_pos((at.x + max(0.0, 0.5 * (space.x - width * zoom)), at.y))
-            start = imgui.get_cursor_screen_pos()
-            if self._texture is not None and self._texture.native:
-                imgui.image(imgui.ImTextureRef(self._texture.native), (width * zoom, height * zoom))
-            else:
-                imgui.dummy((width * zoom, height * zoom))
-            if self.marked is not None:
-                a, b = start.x + self.marked[0] * zoom, start.y + self.marked[1] * zoom
-                size = max(zoom, 6.0)
-                imgui.get_window_draw_list().add_rect((a, b), (a + size, b + size), theme.u32(theme.ERROR), 0.0, 2.0)
-                if self._scroll:
-                    self._scroll = False
-                    imgui.set_scroll_x(max(0.0, (self.marked[0] + 0.5) * zoom - 0.5 * space.x))
-                    imgui.set_scroll_y(max(0.0, (self.marked[1] + 0.5) * zoom - 0.5 * space.y))
-            io = imgui.get_io()
-            where = None
-            if imgui.is_item_hovered():
-                x, y = int((io.mouse_pos.x - start.x) / zoom), int((io.mouse_pos.y - start.y) / zoom)
-                if 0 <= x < width and 0 <= y < height:
-                    where = (x, y)
-                    if zoom >= 4.0:
-                        a, b = start.x + x * zoom, start.y + y * zoom
-                        imgui.get_window_draw_list().add_rect((a, b), (a + zoom, b + zoom), theme.u32(theme.ACCENT))
-                if io.key_ctrl and io.mouse_wheel:
-                    self.zoom = min(max(zoom * 1.25**io.mouse_wheel, 0.02), 64.0)
-        imgui.end_child()
-        self._footer(ui, where, zoom)
+        footer = self._footer_lines() * imgui.get_frame_height_with_spacing()
+        native = self._texture.native if self._texture is not None else 0
+        where = self.canvas.draw(native, width, height, (room.x, room.y - footer), self.marked)
+        if where is not None and imgui.is_mouse_clicked(imgui.MouseButton_.right):
+            pixel = ", ".join(f"{float(v):.9g}" for v in self.values[where[1], where[0]])
+            ui.session.ui.copy_text, ui.session.ui.notice = pixel, f"Copied {pixel}"
+        self._footer(ui, where)
 
-    def _footer(self, ui: Ui, where: tuple[int, int] | None, zoom: float) -> None:
-        desc = self._desc
-        assert desc is not None and self.values is not None  # noqa: PT018  (both are set together by _read)
+    def _footer_lines(self) -> int:
+        return 1 if imgui.get_content_region_avail().x > em(34) and not self._note else 2
+
+    def _footer(self, ui: Ui, where: tuple[int, int] | None) -> None:
+        image = self.image
+        assert image is not None
+        where = where or self._inside()
+        imgui.align_text_to_frame_padding()
         with mono(ui):
-            where = where or self._inside()
             if where is not None:
-                pixel = self.values[where[1], where[0]]
-                numbers = "  ".join(f"{n} {v:.5g}" for n, v in zip("RGBA", pixel, strict=False))
-                text(f"{where[0]:5d} {where[1]:5d}   {numbers}", theme.TEXT)
+                shown = self.told(ui, where)
+                text(fitted(shown, imgui.get_content_region_avail().x), theme.TEXT)
+                tooltip(f"{shown}\nStored with the sRGB curve; the numbers are linear" if image.srgb else shown)
             else:
-                text(f"{desc.format}  {extent(desc)}  {human_bytes(texture_bytes(desc))}", theme.DIM)
+                about = f"{image.desc.format}  {extent(image.desc)}  {human_bytes(image.bytes)}"
+                text(fitted(about, imgui.get_content_region_avail().x), theme.DIM)
+        nan, inf = self.bad
+        if nan or inf:
+            flow(em(9), 1.0)
+            text(f"{icons.ERROR} {nan:,} NaN, {inf:,} infinite", theme.ERROR)
+            tooltip("Texels of this image: magenta NaN, yellow infinite")
         if self._note:
-            imgui.same_line(0, em(1))
-            text(fitted(self._note, imgui.get_window_width() - em(10) - imgui.get_cursor_pos_x()), theme.WARNING)
+            flow(em(12), 1.0)
+            text(fitted(self._note, imgui.get_content_region_avail().x), theme.WARNING)
             tooltip(self._note)
-        imgui.same_line(imgui.get_window_width() - em(8))
-        if imgui.small_button("Fit"):
-            self.zoom = 0.0
-        imgui.same_line(0, em(0.3))
-        if imgui.small_button("1:1"):
-            self.zoom = 1.0 / max(ui.pixel_scale, 1e-3)
-        imgui.same_line(0, em(0.5))
-        text(f"{zoom * 100:.0f} %", theme.FAINT)
-        tooltip("Ctrl + wheel over the picture zooms")
+        zoom = f"{self.canvas.scale * max(ui.pixel_scale, 1e-3) * 100:.0f} %"
+        wide = button_width("Fit") + button_width("1:1") + imgui.calc_text_size(zoom).x + em(1.4)
+        flow(wide, 1.0)
+        imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + max(imgui.get_content_region_avail().x - wide, 0.0))
+        assert self.values is not None
+        height, width = self.values.shape[:2]
+        if icon_button("Fit##fit", "The whole picture (double click)"):
+            self.canvas.fit()
+        imgui.same_line(0, em(0.2))
+        if icon_button("1:1##whole", "A texel a pixel of the screen"):
+            self.canvas.at(1.0 / max(ui.pixel_scale, 1e-3), width, height)
+        imgui.same_line(0, em(0.4))
+        text(zoom, theme.DIM)
+        tooltip("The wheel zooms to the pointer, a drag moves, a right click copies the value")
+
+    def told(self, ui: Ui, where: tuple[int, int]) -> str:
+        """Place and value of a texel, as numbers that the shaders see."""
+        image = self.image
+        assert image is not None
+        pixel = image.values[where[1], where[0]]
+        numbers = "  ".join(f"{n} {v:.5g}" for n, v in zip("RGBA", pixel, strict=False))
+        parts = [f"{where[0]:5d} {where[1]:5d}", numbers]
+        if self.channels == "normal" and len(pixel) >= 2:
+            signed = bool((image.values[..., :2] < 0.0).any())
+            x, y, z = normals(pixel.reshape(1, 1, -1), signed=signed)[0, 0]
+            parts.append(f"n {x:+.3f} {y:+.3f} {z:+.3f}  |n| {float(np.sqrt(x * x + y * y + z * z)):.3f}")
+        elif self.channels == "luma" and len(pixel) >= 3:
+            parts.append(f"Y {float(pixel[:3] @ np.array((0.2126, 0.7152, 0.0722))):.5g}")
+        if image.depth and self.source is not None and self.source.name.startswith("depth"):
+            camera = ui.session.camera
+            if not camera.orthographic:
+                parts.append(f"{camera.znear / float(pixel[0]):.4g} m" if pixel[0] > 0.0 else "nothing there")
+        return "   ".join(parts)
 
     def _inside(self) -> tuple[int, int] | None:
         """The marked texel, where the level has it."""
@@ -231,13 +283,14 @@ class TextureViewerPanel(Panel):
 
     def _upload(self, ui: Ui) -> None:
         """Bring what is to be seen into a texture of our own."""
-        assert self.values is not None
-        encode, normal = self._linear, self._desc.format in {"bc5", "rg8"}
+        image = self.image
+        assert image is not None
         key = (self._read_key, self.channels, self.stops, self.low, self.high)
         if key == self._shown_key:
             return
         self._shown_key = key
-        pixels = picture(self.values, self.channels, self.stops, self.low, self.high, encode=encode, normal=normal)
+        encode, normal = image.floating or image.srgb, image.desc.format in {"bc5", "rg8"}
+        pixels = picture(image.values, self.channels, self.stops, self.low, self.high, encode=encode, normal=normal)
         height, width = pixels.shape[:2]
         device = ui.session.device
         with ui.session.device_frame():
@@ -247,43 +300,30 @@ class TextureViewerPanel(Panel):
                 self._texture = device.texture(TextureDesc("rgba8", width, height, label="texture viewer"))
             self._texture.write(pixels)
 
-    def _reset(self) -> None:
-        self.level = self.layer = 0
-        self.stops, self.low, self.high, self.zoom = 0.0, 0.0, 1.0, 0.0
-        self.marked, self._note, self._scroll = None, "", False
+    def _take(self, source: Source) -> None:
+        """Look at another one, from the start."""
+        self.source, self.image, self.values, self._read_key = source, None, None, None
+        self.level, self.layer = 0, 0
+        self.stops, self.low, self.high = 0.0, 0.0, 1.0
+        self.marked, self._note, self.problem = None, "", ""
+        self.canvas.fit()
+        if source.name == "environment" and source.kind == "renderer":
+            self.layer = ALL_FACES
 
 
-def list_sources(session: Any) -> list[Source]:
-    """Everything that can be looked at now: the frame's targets, then the materials' textures."""
-    found: list[Source] = []
-    frame = session.image.frame
-    plan = getattr(getattr(frame, "graph", None), "plan", None)
-    if plan is not None:
-        for name, desc in plan.descs.items():
-            if desc.kind in {"2d", "2d-array", "cube"} and getattr(desc, "samples", 1) == 1:
-                lost = overwritten(plan, name)
-                note = "Its memory was used again later in the frame: what shows is that" if lost else desc.format
-                found.append(Source("target", name, -1, f"{name} (overwritten)" if lost else name, note, lost))
-    document = session.document
-    if document is None:
-        return found
-    materials = document.runtime.scene.instances.material
-    for material in dict.fromkeys(int(m) for m in materials if m >= 0):
-        record = document.runtime.residency.material(material)
-        for slot in record.effect.textures:
-            ref = record.asset.textures.get(slot.name)
-            if ref is not None and ref.path:
-                label = f"{record.asset.name or 'material'}: {slot.name.removesuffix('_map').replace('_', ' ')}"
-                found.append(Source("material", slot.name, material, label, Path(ref.path).name))
-    return found
+def shows(path: Path) -> bool:
+    """Whether the viewer can show that file."""
+    return sort_of(path.name) in (TEXTURES, ENVIRONMENTS)
 
 
-def find_texture(session: Any, source: Source) -> tuple[Any, int]:
-    """(texture, layer) of a source."""
-    if source.kind == "target":
-        return session.image.frame.graph.texture(source.name), 0
-    texture, layer = session.document.runtime.residency.materials.slot_texture(source.material, source.name)
-    return texture, int(layer)
+def _stamp(source: Source) -> int:
+    """When a file was written last; 0 for anything else."""
+    if source.kind != "file":
+        return 0
+    try:
+        return Path(source.name).stat().st_mtime_ns
+    except OSError:
+        return -1
 
 
 PANEL = TextureViewerPanel

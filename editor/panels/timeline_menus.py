@@ -211,6 +211,8 @@ def draw_clips(ui: Ui, editor: AnimationEditor) -> None:
         if tracks:
             _fade_of_new(view)
         for i, clip in enumerate(runtime.clips):
+            if not runtime.instance_clips.stands(i):
+                continue
             if imgui.selectable(f"{clip.name}   {clip.duration:.2f} s##{i}", clip.name in active and not tracks)[0]:
                 if tracks:
                     at = max(view.track, 0)
@@ -220,7 +222,7 @@ def draw_clips(ui: Ui, editor: AnimationEditor) -> None:
                 elif imgui.get_io().key_ctrl and clip.name not in active:
                     runtime.play(*active, clip.name)
                 else:
-                    runtime.play(clip.name)
+                    runtime.play_of_cast(i)
         imgui.end_combo()
     tooltip("Adds to the selected track, after its last block" if tracks else "Ctrl: play it over those that play")
 

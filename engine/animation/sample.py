@@ -80,6 +80,10 @@ class ClipPlayer:
                 which, to = copies.moving.repeat(rows)
                 setters[path](to, values[which])
 
+    def meet(self, nodes: NodeTable) -> None:
+        """Those who stand in the rows now are the ones to move, though they may be moved much later."""
+        self._check_living(nodes)
+
     def _check_living(self, nodes: NodeTable) -> None:
         """Find, after structural changes only, which rows still hold the nodes that they held at first."""
         if nodes.structure_rev == self._structure_rev:

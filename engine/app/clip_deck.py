@@ -37,7 +37,7 @@ class ClipDeck:
     """
 
     def __init__(
-        self, nodes: NodeTable, clips: Sequence[ClipAsset], players: Sequence[ClipPlayer],
+        self, nodes: NodeTable, clips: list[ClipAsset], players: list[ClipPlayer],
         morphs: MorphTable | None = None, node_rows: ArrayLike = (),
     ) -> None:  # fmt: skip
         self.clips, self.players = clips, players
@@ -63,6 +63,36 @@ class ClipDeck:
         #: clip name -> number
         self._numbers = {clip.name: i for i, clip in enumerate(clips)}
 
+    def join(self, clip: ClipAsset, player: ClipPlayer, node_rows: ArrayLike) -> int:
+        """Take up a clip more, bound to the nodes that now stand in `node_rows`; returns its number."""
+        player.meet(self._nodes)
+        self.clips.append(clip)
+        self.players.append(player)
+        if self._morphs is not None:
+            self.morph_players.append(WeightPlayer(clip, node_rows, self._morphs))
+        self._numbers.setdefault(clip.name, len(self.clips) - 1)
+        return len(self.clips) - 1
+
+    def meet(self, rows: I8) -> None:
+        """Nodes that came since the scene was opened stand in `rows` as they rest: they may be posed from now on."""
+        nodes, known = self._nodes, len(self._generation)
+        columns = (nodes.translation, nodes.rotation, nodes.scale)
+        places, turns, sizes = (np.concatenate([a, b[known:]]) for a, b in zip(self._rest, columns, strict=True))
+        self._rest = places, turns, sizes
+        self._generation = np.append(self._generation, nodes.generation[known:])
+        for rest, column in zip(self._rest, columns, strict=True):
+            rest[rows] = column[rows]
+        self._generation[rows] = nodes.generation[rows]
+        self._rows = np.where(np.isin(self._rows, rows), -1, self._rows)  # they held other nodes
+
+    @property
+    def posed(self) -> I8:
+        """The rows that the animator or the timeline moves, where one plays."""
+        source = self.sequence if self.animator is None else self.animator
+        if source is None:
+            return np.zeros(0, np.int64)
+        return np.unique(self._rows[0][source.covers().any(axis=0)])
+
     @property
     def copies(self) -> Copies:
         """The nodes that are posed as others are."""
@@ -87,8 +117,8 @@ class ClipDeck:
 
     @property
     def playing(self) -> int:
-        """How many clips play; 1 where an animator or a timeline does."""
-        return 1 if self.animator is not None or self.sequence is not None else len(self.active)
+        """How many clips play; an animator or a timeline is one."""
+        return len(self.active) + int(self.animator is not None or self.sequence is not None)
 
     def find(self, clip: int | str) -> int:
         """The number of a clip given by number or name. Raises InputError with what was perhaps meant."""
@@ -148,13 +178,12 @@ class ClipDeck:
             else:
                 self.asleep = 1
             self._carry(self.sequence.way([time_s])[0])
-        else:
-            for number in self.active:
-                player = self.players[number]
-                if seers is None or visible is None or seers.sees(self._with_copies(player.node_rows), visible):
-                    self._play(number, time_s * self.speed)
-                else:
-                    self.asleep += 1
+        for number in self.active:  # beside an animator or a timeline what those leave alone
+            player = self.players[number]
+            if seers is None or visible is None or seers.sees(self._with_copies(player.node_rows), visible):
+                self._play(number, time_s * self.speed)
+            else:
+                self.asleep += 1
 
     def rest(self) -> None:
         """Put back what the present players have moved."""
@@ -268,9 +297,10 @@ class ClipDeck:
     def _living(self, rows: I8) -> NDArray[np.bool_]:
         """Which rows still hold the nodes that they held when the scene was opened."""
         nodes = self._nodes
-        known = (rows >= 0) & (rows < len(self._generation))
+        count = min(len(self._generation), len(nodes))  # undoing an addition makes the table shorter
+        known = (rows >= 0) & (rows < count)
         safe = np.where(known, rows, 0)
-        if len(self._generation) == 0:
+        if count == 0:
             return known
         result: NDArray[np.bool_] = known & nodes.alive[safe] & (nodes.generation[safe] == self._generation[safe])
         return result

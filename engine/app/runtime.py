@@ -17,6 +17,7 @@ from engine.animation.sample import ClipPlayer
 from engine.app.animation import DRIVES, Animation, open_animation
 from engine.app.clip_deck import ClipDeck, Seers
 from engine.app.framing import AZIMUTH, ELEVATION, frame_points, scene_box, scene_points
+from engine.app.instance_clips import InstanceClips
 from engine.app.object_materials import ObjectMaterials
 from engine.app.picking import pick_hits, pick_node, view_ray
 from engine.app.project import shader_folders
@@ -53,8 +54,8 @@ MANY_PICTURES = 1 << 40
 
 
 class Runtime:
-    """`scene`: the tables; `asset`: what was read; `clips`: its animation, of which it
-    plays the first and drifting lights; `findings`: what went wrong on the way.
+    """`scene`: the tables; `asset`: what was read; `clips`: its animation, of which it plays the first and drifting
+    lights, then that of the prefabs in it (instance_clips.py); `findings`: what went wrong on the way.
 
     `node_rows[i]` is the scene row of the asset's node i. `pixels`: how many it will draw, about:
     MANY_PICTURES for a window; a software rasteriser prepares textures accordingly.
@@ -91,7 +92,12 @@ class Runtime:
         self.findings = Findings()
         self._posed_at = math.nan
         self._lead: ClipNodes | None = None
-        self._opened_rows: NDArray[np.int64] = np.zeros(0, np.int64)
+        #: the nodes that clips know by number, those of the asset first, and their rows as they were when they came
+        self.cast: list[NodeAsset] = []
+        self.cast_rows: NDArray[np.int64] = np.zeros(0, np.int64)
+        #: how many of the clips are not those of prefabs
+        self.own_clips = 0
+        self.instance_clips = InstanceClips(self)
         self._copied_rev = -1
 
     # --- opening ---
@@ -123,7 +129,7 @@ class Runtime:
         self.scene = Scene.from_asset(asset)
         self.scene.folder = base
         self.node_rows = self.scene.row_of_node
-        self._opened_rows = self.node_rows.copy()
+        self.cast, self.cast_rows = list(asset.nodes), self.node_rows.copy()
         self._lead = clip_nodes(asset.nodes)
         self.findings.items.extend(self.scene.findings)
         check_profiles(self.scene.lights.profiles, base, self.findings)
@@ -142,7 +148,9 @@ class Runtime:
                 self.findings.error("clip.unreadable", str(error), hint="the scene is shown without it")
         self.deck = ClipDeck(self.scene.nodes, self.clips, self.players, self.scene.morphs, self.node_rows)
         self.scene.places = self.deck.places
-        self.deck.active += [i for i, clip in enumerate(self.clips) if i and clip.name == DRIFT]
+        self.own_clips = len(self.clips)
+        self.deck.active = self._at_first()
+        self.instance_clips.follow()
         if asset.animation:
             try:
                 self._animate(base / asset.animation, asset.drive)
@@ -281,9 +289,16 @@ class Runtime:
 
     def play(self, *clips: int | str, mode: str = "loop", speed: float = 1.0) -> None:
         """Play these clips (numbers or names) instead; see ClipDeck.play. A scene opens playing its first."""
-        self._find_copies()  # what played so far goes to rest, copies too
+        self.follow_structure()  # what played so far goes to rest, copies too
         self.deck.play(*clips, mode=mode, speed=speed)
         self._posed_at = math.nan
+
+    def play_of_cast(self, clip: int | str) -> None:
+        """Play this clip instead of those of the same prefab, or of the scene's own; the others go on."""
+        number = self.deck.find(clip)
+        whose = self.instance_clips.prefab_of(number)
+        others = [n for n in self.deck.active if self.instance_clips.prefab_of(n) != whose]
+        self.play(*others, number, mode=self.deck.mode, speed=self.deck.speed)
 
     def play_beside(self, key: Hashable, clip: ClipAsset | None) -> None:
         """Play a clip whose channels count nodes by scene rows, beside all else, until it is None for that `key`."""
@@ -312,8 +327,7 @@ class Runtime:
         then what played goes on.
         """
         standing_by = drive == "clips"
-        nodes = self.asset.nodes
-        animation = open_animation(text, file, nodes, self.clips, self.animation, "" if standing_by else drive)
+        animation = open_animation(text, file, self.cast, self.clips, self.animation, "" if standing_by else drive)
         self.animation = animation
         if not standing_by:
             self.set_drive(animation.drive)
@@ -326,20 +340,26 @@ class Runtime:
         if drive not in DRIVES or (drive != "clips" and animation is None):
             raise InputError(f"nothing here is driven by {drive!r}", hint=f"choose one of {', '.join(DRIVES)}")
         self._posed_at = math.nan
-        self._find_copies()
+        self.follow_structure()
         if drive == "clips" or animation is None:
             if self.deck.animator is not None or self.deck.sequence is not None:
-                self.deck.play(*([0] if self.clips else []))
+                self.deck.play(*self._at_first())
             return
-        rows = self._opened_rows[animation.rig.source][None]
-        top = int(self.node_rows[animation.top]) if animation.top >= 0 else -1
+        rows = self.cast_rows[animation.rig.source][None]
+        top = int(self.cast_rows[animation.top]) if animation.top >= 0 else -1
         if drive == "timeline" and animation.sequence is not None:
             self.deck.follow(animation.sequence, rows, top)
         elif drive == "states" and animation.animator is not None:
             self.deck.animate(animation.animator, rows, top)
         else:
             raise InputError(f"{animation.file} has no {drive}", hint="timeline needs [[tracks]], states [states.NAME]")
+        self.deck.active = self.instance_clips.beside(self.deck.posed)
         animation.drive = drive
+
+    def _at_first(self) -> list[int]:
+        """The clips that a scene opens playing."""
+        own = [i for i in range(self.own_clips) if i == 0 or self.clips[i].name == DRIFT]
+        return own + self.instance_clips.beside(np.zeros(0, np.int64))
 
     @property
     def drive(self) -> str:
@@ -355,7 +375,7 @@ class Runtime:
     def seek(self, time_s: float) -> None:
         """Pose the scene at `time_s` without passing what lies between; that far into its state where states drive."""
         if self.deck.animator is not None:
-            self._find_copies()
+            self.follow_structure()
             self.deck.animator.seek(time_s)
             self._pose(self.deck.time)
             self.scene.update()
@@ -367,7 +387,7 @@ class Runtime:
 
         An unchanged time poses nothing, so what was moved by hand stays moved until time goes on.
         """
-        self._find_copies()
+        self.follow_structure()
         if time_s != self._posed_at:
             self._posed_at = time_s
             self._pose(time_s, *self._seen())
@@ -378,11 +398,13 @@ class Runtime:
         for _clip, player in self.beside.values():
             player.apply(self.scene.nodes, time_s * self.deck.speed, self.deck.mode)
 
-    def _find_copies(self) -> None:
-        """After structural changes: which nodes play along with which."""
+    def follow_structure(self) -> None:
+        """After structural changes: which nodes play along with which, and what instances bring with them. Whatever
+        poses the scene does so by itself."""
         if self._copied_rev != self.scene.nodes.structure_rev:
             self._copied_rev = self.scene.nodes.structure_rev
-            self.deck.copies = copies_of(self.scene, self._lead, self._opened_rows)
+            self.instance_clips.follow()
+            self.deck.copies = copies_of(self.scene, self._lead, self.cast_rows).and_(self.instance_clips.copies)
 
     def _seen(self) -> tuple[NDArray[np.bool_] | None, Seers | None]:
         """What the last picture showed; now and then nothing, so that what walks into view by its clip is found."""

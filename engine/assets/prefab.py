@@ -14,10 +14,11 @@ error.
 from __future__ import annotations
 
 import copy
+import math
 import os
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import fields, is_dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -114,12 +115,28 @@ def changed_fields(asset: SceneAsset, root: int, prefab: Sequence[NodeAsset]) ->
         if key not in mine:
             removed.append(key)
             continue
-        own = [
-            field for field, names in FIELDS.items() if any(getattr(node, n) != getattr(mine[key], n) for n in names)
-        ]
+        own = own_fields(mine[key], node)
         if own:
             changed[key] = own
     return changed, removed
+
+
+def own_fields(node: NodeAsset, prefab: NodeAsset) -> list[str]:
+    """The FIELDS in which `node` is other than its prefab has it, but for what tables round: turns are kept at unit
+    length, lights in float32."""
+    return [field for field, names in FIELDS.items() if any(_differ(getattr(node, n), getattr(prefab, n)) for n in names)]
+
+
+def _differ(a: Any, b: Any) -> bool:
+    if a == b:
+        return False
+    if is_dataclass(a) and type(a) is type(b):
+        return any(_differ(getattr(a, f.name), getattr(b, f.name)) for f in fields(a))
+    if isinstance(a, (tuple, list)) and isinstance(b, (tuple, list)) and len(a) == len(b):
+        return any(_differ(x, y) for x, y in zip(a, b, strict=True))
+    if isinstance(a, float | int) and isinstance(b, float | int) and not isinstance(a, bool):
+        return not math.isclose(a, b, rel_tol=1e-7, abs_tol=1e-12)
+    return True
 
 
 def with_changes(asset: SceneAsset, folder: Path, prefabs: Mapping[Path, Sequence[NodeAsset]]) -> SceneAsset:

@@ -15,7 +15,7 @@ from engine.core.findings import Findings
 from engine.framegraph.compiled import CompiledGraph, OnPass
 from engine.framegraph.graph import FrameGraph
 from engine.framegraph.passes import Pass, PassContext
-from engine.gpu.types import Device, SamplerDesc
+from engine.gpu.types import Device, SamplerDesc, Texture
 from engine.materials.variant import VariantRequest
 from engine.render.ahead import Enough
 from engine.render.depth_range import fit_depth
@@ -36,6 +36,7 @@ from engine.render.nonfinite import NumberCheck
 from engine.render.occlusion import RESTING
 from engine.render.pass_timer import PassTimer
 from engine.render.paths.choice import PASSES
+from engine.render.peek import Peek
 from engine.render.programs import Programs
 from engine.render.scene_rows import SceneRows
 from engine.render.scene_variants import SceneVariants
@@ -46,7 +47,7 @@ from engine.render.view import View
 from engine.render.view_block import VIEW_LAYOUT, fill_view_block
 from engine.report.number_check import NumberReport
 from engine.report.stats import FrameStats
-from engine.resources.environment import DfgTable
+from engine.resources.environment import DfgTable, EnvironmentMap
 from engine.resources.material_store import MaterialRecord
 from engine.resources.procedural import PLACE
 from engine.resources.residency import Residency
@@ -73,6 +74,7 @@ class Renderer:
         self.leads = True
         self.light_path = LightPath(device, self.rows)
         self._dfg = DfgTable(device)
+        self._environment: EnvironmentMap | None = None
         self._look = FrameLook()
         self.before = Before(device, self.rows)
         self._view_buffer = device.buffer(VIEW_LAYOUT.size, label="view")
@@ -87,6 +89,8 @@ class Renderer:
         self._numbers: NumberCheck | None = None
         #: (which picture, the report) of the first one whose check found NaN or an infinity
         self.first_bad: tuple[int, NumberReport] | None = None
+        #: a target that somebody wants to see as it is in the middle of a frame
+        self.peek: Peek | None = None
 
     def render(self, scene: Scene, view: View, *, hdr: bool = False) -> Frame:
         """One picture of `scene`; `hdr`: the scene-linear one too. Bad assets show as magenta.
@@ -208,6 +212,15 @@ class Renderer:
         """The shader variants that the last frame would have asked for if these materials were as in `records`."""
         return list(self.variants.uses(records))
 
+    def tables(self) -> dict[str, Texture]:
+        """What the last frame was shaded with besides its targets and the materials: the surroundings, the split-sum
+        table, the tables of lights."""
+        if self._environment is None:
+            return {}
+        found = [self._environment.texture, self._dfg.texture]
+        found += [texture for texture, _sampler in self.rows.light_tables.bindings().values()]
+        return {texture.desc.label: texture for texture in found}
+
     def variant_uses(self) -> dict[VariantRequest, list[int]]:
         """The shader variants of the last frame's scene, seen or not, and the materials that want each."""
         return self.variants.uses(dict(enumerate(self.residency.materials.records)))
@@ -253,7 +266,7 @@ class Renderer:
         settings, rows = view.settings, self.rows
         rotation = math.radians(settings.environment_rotation)
         environment = usable(scene.environment)
-        env_map = self.environments.get(environment)
+        env_map = self._environment = self.environments.get(environment)
         env_intensity = environment.intensity * settings.environment_intensity
         rows.light_tables.update(scene, everything=settings.force_all)
         rows.lights.update(
@@ -301,16 +314,20 @@ class Renderer:
         return self._numbers
 
     def _observer(self, graph: CompiledGraph, check: NumberCheck | None) -> OnPass:
-        """What goes round each pass: its timer and, after it, the check of its numbers."""
-        if check is None:
+        """What goes round each pass: its timer and, after it, the check of its numbers and the look at a target."""
+        peek = self.peek
+        if check is None and peek is None:
             return self._on_pass
 
         @contextlib.contextmanager
         def observed(name: str) -> Iterator[None]:
             with self._on_pass(name):
                 yield
-            with self._timer.gpu_pass(f"check of {name}"):
-                check.after(graph, name)
+            if check is not None:
+                with self._timer.gpu_pass(f"check of {name}"):
+                    check.after(graph, name)
+            if peek is not None:
+                peek.after(graph, name)
 
         return observed
 

@@ -90,6 +90,10 @@ class RenderSettings(ParamBlock):
         1.0, min=0.0, max=8.0, step=0.05,
         doc="taa: standard deviations of the colours around that older ones may lie off: less flickers, more drags",
     )  # fmt: skip
+    taa_thin: float = param(
+        1.0, min=0.0, max=8.0, step=0.1,
+        doc="taa: how much what changes from frame to frame in one place is kept: thin lines stay, slow edges drag more",
+    )  # fmt: skip
     taa_sharpness: float = param(0.0, min=0.0, max=2.0, step=0.05, doc="taa: how much edges are steepened")
     alpha_to_coverage: bool = param(True, doc="smooth edges of cut-outs, where a pixel has several samples")
     path: str = param(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import math
+from collections.abc import Collection
 from dataclasses import replace
 
 import numpy as np
@@ -99,6 +100,21 @@ def scene_asset(scene: Scene, base: SceneAsset | None) -> SceneAsset:
         bookmarks=list(base.bookmarks) if base else [],
         provenance=dict(base.provenance) if base else {},
     )
+
+
+def node_assets(scene: Scene, rows: Collection[int]) -> dict[int, NodeAsset]:
+    """Some nodes as `scene_asset` writes them, by row, but without parents, joints and clip numbers, which count nodes."""
+    nodes = {row: replace(_node_asset(scene, row, {}, {}), joints=[]) for row in rows}
+    for table in (scene.lights, scene.cameras):
+        for at in table.alive_rows().tolist():
+            row = int(table.node[at])
+            if row not in nodes:
+                continue
+            if table is scene.lights:
+                nodes[row].light = scene.lights.asset(at)
+            else:
+                nodes[row].camera = scene.cameras.asset(at)
+    return nodes
 
 
 def _node_asset(scene: Scene, row: int, index_of: dict[int, int], joint_of: dict[int, int]) -> NodeAsset:

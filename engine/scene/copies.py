@@ -48,6 +48,14 @@ class Copies:
     def _part(self, keep: NDArray[np.bool_]) -> Copies:
         return self if keep.all() else Copies(self.leader[keep], self.row[keep], self.placed[keep])
 
+    def and_(self, other: Copies) -> Copies:
+        """The pairs of both."""
+        if not len(other):
+            return self
+        return Copies(
+            np.append(self.leader, other.leader), np.append(self.row, other.row), np.append(self.placed, other.placed)
+        )
+
     def repeat(self, rows: I8) -> tuple[I8, I8]:
         """(which of `rows`, as indices; copies' rows): every pair whose leader is among `rows`."""
         order = np.argsort(rows, kind="stable")

@@ -38,7 +38,7 @@ class RuntimeScene:
         try:
             open_path(self._runtime, path)
             self._runtime.update(0.0)
-        except BaseException:
+        except BaseException:  # an interrupt, too, leaves nothing behind
             self._runtime.close()
             raise
 

@@ -52,21 +52,7 @@ class Move:
 
     def apply(self) -> None:
         """Do it. Raises OutputError; then everything is as it was."""
-        self._go(self.files, {p: after for p, (_before, after) in self.rewritten.items()})
-
-    def undo(self) -> None:
-        """Put everything back, to the byte; a file that was changed since keeps that and only its references follow."""
-        back = {new: old for old, new in self.files.items()}
-        contents: dict[Path, bytes] = {}
-        for path, (before, after) in self.rewritten.items():
-            if path.is_file() and path.read_bytes() == after:
-                contents[back.get(path, path)] = before
-        if len(contents) < len(self.rewritten):
-            again = plan(self.new, self.old, root=self.root)
-            contents = {p: after for p, (_before, after) in again.rewritten.items()} | contents
-        self._go(back, contents)
-
-    def _go(self, files: Mapping[Path, Path], contents: Mapping[Path, bytes]) -> None:
+        files, contents = self.files, {p: after for p, (_before, after) in self.rewritten.items()}
         done: list[tuple[Path, Path]] = []
         written: list[tuple[Path, bytes]] = []
         made: list[Path] = []
@@ -97,7 +83,37 @@ class Move:
                 hint="nothing was changed",
             ) from error  # fmt: skip
         move_log.end(self.root)
-        _remove_empty(self.old if files is self.files else self.new)
+        _remove_empty(self.old)
+
+    def undo(self) -> None:
+        """`reverse`, done."""
+        self.reverse().apply()
+
+    def reverse(self) -> Move:
+        """What puts everything back, to the byte; a file that was changed since keeps that and only its references
+        follow. Raises InputError where something is not where it was moved to, or its old place is taken."""
+        gone = [new for new in self.files.values() if not new.exists()]
+        taken = [old for old, new in self.files.items() if old.exists() and not _same_file(old, new)]
+        if gone or taken:
+            what = f"{gone[0].name} is gone" if gone else f"its old place {taken[0].name} is taken"
+            raise InputError(
+                f"the move of {self.old.name} cannot be undone: {what}", where=(gone or taken)[0],
+                hint="put it back there, then undo again" if gone else "move what is there away, then undo again",
+            )  # fmt: skip
+        back = plan(self.new, self.old, root=self.root)
+        for path, (before, after) in self.rewritten.items():
+            if path.is_file() and path.read_bytes() == after:
+                back.rewritten[back.files.get(path, path)] = after, before
+        return back
+
+    def again(self) -> Move:
+        """The same move as it is now, after it was undone. Raises as `plan`, and where its new place is taken."""
+        if self.new.exists() and not _same_file(self.old, self.new):
+            raise InputError(
+                f"the move of {self.old.name} cannot be done again: its place is taken", where=self.new,
+                hint="move what is there away, then redo",
+            )  # fmt: skip
+        return plan(self.old, self.new, root=self.root)
 
 
 def used_by(path: Path, found: Sequence[Reference]) -> list[Reference]:

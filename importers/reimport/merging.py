@@ -51,7 +51,7 @@ def merge_import(
             keys, [*last.orphans, *report.orphans],
         )  # fmt: skip
         write_record(path, record)
-    except BaseException:
+    except BaseException:  # an interrupt, too, leaves nothing behind
         shutil.rmtree(out, ignore_errors=True)
         raise
     return path, report

@@ -1,5 +1,6 @@
 // What the layers hold for light that is gathered or mirrored, in all sizes.
 #include "lib/deep_layers.glsl"
+#include "lib/pixel_pattern.glsl"
 
 layout(binding = 10) uniform sampler2D t_depths;
 layout(binding = 17) uniform sampler2D t_sides;
@@ -45,15 +46,6 @@ vec3 side_of(ivec2 at, int level, int layer)
 {
     vec4 sides = texelFetch(t_sides, at, level);
     return unpack_side(layer == 0 ? sides.xy : sides.zw);
-}
-
-// A place in a pattern of 4 x 4 pixels, 0 to 15, far from those beside it (Bayer 1973).
-int pattern(ivec2 pixel)
-{
-    int x = pixel.x & 3;
-    int y = pixel.y & 3;
-    int z = x ^ y;
-    return ((y >> 1) & 1) | (z & 2) | ((y & 1) << 2) | ((z & 1) << 3);
 }
 
 vec3 shape_normal(uvec2 shape, vec3 v)

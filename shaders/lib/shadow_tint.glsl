@@ -20,33 +20,40 @@ vec3 texel_taken(ivec2 texel, float layer, float depth)
     return depth < t.a * TINT_SHARPNESS ? 1.0 - t.rgb : vec3(0.0);
 }
 
-// What is taken away beside the receiver at `offset` (m in light space): each texel is compared before they are mixed.
-vec3 taken(ShadowReceiver r, vec2 offset)
+// What is taken away at `at` from the point of the receiver, `own` being its place (both in texels): each texel is compared
+// with the receiver's plane over its middle before they are mixed.
+vec3 taken(ShadowReceiver r, vec2 own, vec2 at)
 {
-    float depth = shadow_depth(r, offset);
-    vec2 at = shadow_uv(r, offset).xy * vec2(textureSize(t_sun_tint, 0).xy);
 #if SHADOW_FILTER == 0
-    return texel_taken(ivec2(floor(at)), r.layer, depth);
+    vec2 texel = floor(at);
+    return texel_taken(ivec2(texel), r.layer, plane_depth(r, own, texel + 0.5));
 #else
-    ivec2 low = ivec2(floor(at - 0.5));
-    vec2 part = fract(at - 0.5);
-    vec3 upper = mix(texel_taken(low, r.layer, depth), texel_taken(low + ivec2(1, 0), r.layer, depth), part.x);
-    vec3 lower =
-        mix(texel_taken(low + ivec2(0, 1), r.layer, depth), texel_taken(low + ivec2(1, 1), r.layer, depth), part.x);
-    return mix(upper, lower, part.y);
+    vec2 low = floor(at - 0.5);
+    vec2 part = at - 0.5 - low;
+    vec3 sum = vec3(0.0);
+    for (int k = 0; k < 4; ++k) {
+        vec2 step = vec2(k & 1, k >> 1);
+        vec2 weight = mix(1.0 - part, part, step);
+        sum += weight.x * weight.y * texel_taken(ivec2(low + step), r.layer, plane_depth(r, own, low + step + 0.5));
+    }
+    return sum;
 #endif
 }
 
 vec3 cascade_taken(int i, vec3 p, vec3 n, vec3 f, float turn)
 {
+    vec2 size = vec2(textureSize(t_sun_tint, 0).xy);
 #if SHADOW_FILTER < 2
-    return taken(receiver(i, p, n, f, 0.0), vec2(0.0));
+    ShadowReceiver r = receiver(i, p, n, f, 0.0);
+    vec2 own = shadow_uv(r, vec2(0.0)).xy * size;
+    return taken(r, own, own);
 #else
     ShadowReceiver r = receiver(i, p, n, f, view.shadow.y);
+    vec2 own = shadow_uv(r, vec2(0.0)).xy * size;
     vec2 direction = vec2(cos(turn), sin(turn));
     vec3 sum = vec3(0.0);
     for (int k = 0; k < TINT_TAPS; ++k) {
-        sum += taken(r, direction * (view.shadow.y * r.square.w * vogel_radius(k, TINT_TAPS)));
+        sum += taken(r, own, own + direction * (view.shadow.y * vogel_radius(k, TINT_TAPS)));
         direction = GOLDEN_TURN * direction;
     }
     return sum / float(TINT_TAPS);

@@ -3,20 +3,30 @@
 //   SHADOW_FILTER: FILTERS of engine/render/shadows/quality.py
 #include "lib/disc.glsl"
 #define SHADOW_MOMENTS (SHADOW_FILTER >= 8)
+// the thesis's filters let the hardware compare: one depth for all four texels of a lookup
+#define SHADOW_HARDWARE (SHADOW_FILTER >= 5 && SHADOW_FILTER <= 7)
 
 #if SHADOW_MOMENTS
 #include "lib/shadow_moments.glsl"
 layout(binding = 12) uniform sampler2DArray t_sun_moments;
-#else
+#elif SHADOW_HARDWARE
 layout(binding = 11) uniform sampler2DArrayShadow t_sun_shadow;
-#endif
-#if SHADOW_FILTER == 4
+#else
 layout(binding = 12) uniform sampler2DArray t_sun_depth;
 #endif
 
-const float SHADOW_FOOTPRINT = 1.5;       // texels that one lookup reaches, engine/render/shadows/bias.py
+// engine/render/shadows/bias.py
+const float SHADOW_FOOTPRINT = 1.5;       // texels that one lookup reaches
+#if SHADOW_HARDWARE
+const float SHADOW_LIFT = SHADOW_FOOTPRINT;
 const float SHADOW_CONSTANT = 0.2;        // texels
 const float SHADOW_MAX_SLOPE = 4.0;
+#else
+const float SHADOW_LIFT = 0.25;
+const float SHADOW_CONSTANT = 0.4;
+const float SHADOW_MAX_SLOPE = 8.0;
+#endif
+const float SHADOW_STEEPEST = 16.0;       // slope that msm is lifted for
 const float SHADOW_MARGIN = 6.0;          // texels at the edge that only filters look into, fit.py
 const float SHADOW_BLEND = 0.1;           // of a cascade's half width
 const float SHADOW_MAX_PENUMBRA = 12.0;   // texels, pcss
@@ -43,7 +53,8 @@ ShadowReceiver receiver(int i, vec3 p, vec3 n, vec3 f, float radius)
     float steep = sine / max(abs(f.z), 1e-4);
     float followed = min(1.0, SHADOW_MAX_SLOPE / max(steep, 1e-4));
     r.slope = -f.xy / (f.z < 0.0 ? min(f.z, -1e-4) : max(f.z, 1e-4)) * followed;
-    float lift = max(sine, length(n.xy)) * (SHADOW_FOOTPRINT + radius * (1.0 - followed));
+    float rest = 1.0 - followed;  // of the slope
+    float lift = max(sine, length(n.xy)) * (SHADOW_HARDWARE ? SHADOW_LIFT + radius * rest : SHADOW_LIFT + (SHADOW_FOOTPRINT + radius) * rest);
     r.at = p + n * (lift * texel) + vec3(0.0, 0.0, SHADOW_CONSTANT * texel);
     return r;
 }
@@ -59,6 +70,13 @@ float shadow_depth(ShadowReceiver r, vec2 offset)
     return (r.at.z + dot(r.slope, offset) - r.depth.x) * r.depth.y;
 }
 
+// Depth of the receiver's plane over the middle of a texel. own, texel: where the point is and where it is, in texels.
+float plane_depth(ShadowReceiver r, vec2 own, vec2 texel)
+{
+    vec2 off = (texel - own) * r.square.w;
+    return clamp(shadow_depth(r, vec2(off.x, -off.y)), 0.0, 1.0);
+}
+
 #if SHADOW_MOMENTS
 // What the blurred map leaves of the sun. Where a pixel is wider than a texel, the mean of as many as it covers.
 // n, f: as in `receiver`; depth: along the view.
@@ -69,46 +87,68 @@ float shadow_moments(int i, vec3 p, vec3 n, vec3 f, float depth)
     float level = clamp(log2(max(pixel, 1e-30) / max(texel, 1e-30)), 0.0, SHADOW_MOST_LEVEL);
     ShadowReceiver r = receiver(i, p, n, f, 0.0);
     float sine = max(length(f.xy), length(n.xy));
+    float slope = sine / max(sqrt(max(1.0 - sine * sine, 0.0)), 1e-4);
+    // the mean depth around a point of a plane is its own, whatever the blur
+    r.at = p + (n * (SHADOW_LIFT * sine) + vec3(0.0, 0.0, SHADOW_CONSTANT)) * texel;
 #if SHADOW_FILTER == 12
-    // over a slope, the surface's own blurred depths darken what is less than their deviation before their mean
-    float reach = sine * max(SHADOW_FOOTPRINT * exp2(level), 0.55 * view.shadow.y + 0.3);
-    r.at = p + (n * reach + vec3(0.0, 0.0, SHADOW_CONSTANT)) * texel;
+    // but over a slope, the surface's own blurred depths darken what is less than their deviation before their mean
+    r.at.z += texel * max(0.55 * view.shadow.y, 0.3 * exp2(level)) * min(slope, SHADOW_STEEPEST);
 #endif
     vec4 m = textureLod(t_sun_moments, shadow_uv(r, vec2(0.0)), level);
     float t = 1.0 - 2.0 * clamp(shadow_depth(r, vec2(0.0)), 0.0, 1.0);
     float width = 2.0 * texel * r.depth.y;
-    float steep = sine / max(sqrt(max(1.0 - sine * sine, 0.0)), 1e-4) * width * (exp2(level) + view.shadow.y * view.shadow.y);
+    float steep = slope * width * (exp2(level) + view.shadow.y * view.shadow.y);
     return moment_visibility(m, t, view.shadow_fade.z, view.shadow_fade.w, width, steep);
 }
-#else
-// 1 where the sun reaches the point beside the receiver at `offset` (m in light space), hardware-filtered.
-float shadow_tap(ShadowReceiver r, vec2 offset)
+#elif SHADOW_HARDWARE
+// As the thesis has it: the same points for every pixel.
+float shadow_poisson(ShadowReceiver r, int taps, float radius)
 {
-    return texture(t_sun_shadow, vec4(shadow_uv(r, offset), shadow_depth(r, offset)));
+    float lit = 0.0;
+    for (int k = 0; k < taps; ++k) {
+        vec2 offset = POISSON[k] * (radius * r.square.w);
+        lit += texture(t_sun_shadow, vec4(shadow_uv(r, offset), shadow_depth(r, offset)));
+    }
+    return lit / float(taps);
+}
+#else
+// Where the point is in the map, in texels from its corner.
+vec2 map_place(ShadowReceiver r) { return shadow_uv(r, vec2(0.0)).xy * vec2(textureSize(t_sun_depth, 0).xy); }
+
+// 1 where the sun reaches the point of the receiver's plane at `at`, `own` being its place (both in texels). Each of the four
+// texels around is compared with the plane over its own middle, so that a plane does not hide itself.
+float shadow_tap(ShadowReceiver r, vec2 own, vec2 at)
+{
+#if SHADOW_FILTER == 0
+    ivec2 texel = clamp(ivec2(floor(at)), ivec2(0), textureSize(t_sun_depth, 0).xy - 1);
+    float met = texelFetch(t_sun_depth, ivec3(texel, int(r.layer)), 0).r;
+    return plane_depth(r, own, vec2(texel) + 0.5) >= met ? 1.0 : 0.0;
+#else
+    vec2 low = floor(at - 0.5);
+    vec2 part = at - 0.5 - low;
+    vec2 corner = low + 1.0;  // where the four meet
+    vec4 met = textureGather(t_sun_depth, vec3(corner / vec2(textureSize(t_sun_depth, 0).xy), r.layer));
+    // lower left, lower right, upper right, upper left
+    vec4 plane = vec4(plane_depth(r, own, corner + vec2(-0.5, 0.5)), plane_depth(r, own, corner + vec2(0.5, 0.5)),
+                      plane_depth(r, own, corner + vec2(0.5, -0.5)), plane_depth(r, own, corner + vec2(-0.5, -0.5)));
+    vec4 lit = vec4(greaterThanEqual(plane, met));
+    vec2 rows = mix(lit.wx, lit.zy, part.x);
+    return mix(rows.x, rows.y, part.y);
+#endif
 }
 
 // Mean of `taps` lookups in a disc of `radius` texels; `turn` in radians.
 float shadow_disc(ShadowReceiver r, int taps, float radius, float turn)
 {
+    vec2 own = map_place(r);
     vec2 direction = vec2(cos(turn), sin(turn));
-    float scale = radius * r.square.w;
     float lit = 0.0;
     for (int k = 0; k < taps; ++k) {
-        lit += shadow_tap(r, direction * (scale * vogel_radius(k, taps)));
+        lit += shadow_tap(r, own, own + direction * (radius * vogel_radius(k, taps)));
         direction = GOLDEN_TURN * direction;
     }
     return lit / float(taps);
 }
-
-#if SHADOW_FILTER >= 5
-// As the thesis has it: the same points for every pixel.
-float shadow_poisson(ShadowReceiver r, int taps, float radius)
-{
-    float lit = 0.0;
-    for (int k = 0; k < taps; ++k) lit += shadow_tap(r, POISSON[k] * (radius * r.square.w));
-    return lit / float(taps);
-}
-#endif
 #endif
 
 #if SHADOW_FILTER == 4
@@ -119,13 +159,15 @@ float shadow_penumbra(ShadowReceiver r, float turn)
     const int taps = 12;
     float tangent = view.shadow.z;
     float widest = clamp(tangent * (1.0 / r.depth.y) / r.square.w, view.shadow.y, SHADOW_MAX_PENUMBRA);
+    vec2 own = map_place(r);
+    ivec2 last = textureSize(t_sun_depth, 0).xy - 1;
     vec2 direction = vec2(cos(turn), sin(turn));
     float distance_sum = 0.0;
     float casters = 0.0;
     for (int k = 0; k <= taps; ++k) {
         // the middle, too: what is smaller than the search hides it all the same
-        vec2 offset = k < taps ? direction * (r.square.w * widest * vogel_radius(k, taps)) : vec2(0.0);
-        float above = textureLod(t_sun_depth, shadow_uv(r, offset), 0.0).r - shadow_depth(r, offset);
+        ivec2 texel = clamp(ivec2(floor(own + (k < taps ? direction * (widest * vogel_radius(k, taps)) : vec2(0.0)))), ivec2(0), last);
+        float above = texelFetch(t_sun_depth, ivec3(texel, int(r.layer)), 0).r - plane_depth(r, own, vec2(texel) + 0.5);
         if (above > 0.0) {
             distance_sum += above;
             casters += 1.0;
@@ -142,15 +184,16 @@ float cascade_visibility(int i, vec3 p, vec3 n, vec3 f, float turn, float depth)
 {
 #if SHADOW_MOMENTS
     return shadow_moments(i, p, n, f, depth);
-#elif SHADOW_FILTER >= 5
+#elif SHADOW_HARDWARE
     return shadow_poisson(receiver(i, p, n, f, view.shadow.y), 8 * (SHADOW_FILTER - 4), view.shadow.y);
 #elif SHADOW_FILTER == 0 || SHADOW_FILTER == 1
-    return shadow_tap(receiver(i, p, n, f, 0.0), vec2(0.0));
+    ShadowReceiver r = receiver(i, p, n, f, 0.0);
+    vec2 own = map_place(r);
+    return shadow_tap(r, own, own);
 #elif SHADOW_FILTER == 4
-    ShadowReceiver r = receiver(i, p, n, f, SHADOW_MAX_PENUMBRA);
-    float radius = shadow_penumbra(r, turn);
+    float radius = shadow_penumbra(receiver(i, p, n, f, 0.0), turn);
     if (radius < 0.0) return 1.0;
-    return shadow_disc(r, 16, radius, turn);
+    return shadow_disc(receiver(i, p, n, f, radius), 16, radius, turn);
 #else
     return shadow_disc(receiver(i, p, n, f, view.shadow.y), SHADOW_FILTER == 2 ? 8 : 16, view.shadow.y, turn);
 #endif

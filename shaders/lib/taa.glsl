@@ -27,4 +27,6 @@ vec3 ycocg(vec3 c)
     return vec3(0.25 * c.r + 0.5 * c.g + 0.25 * c.b, 0.5 * c.r - 0.5 * c.b, -0.25 * c.r + 0.5 * c.g - 0.25 * c.b);
 }
 
+float luma(vec3 c) { return 0.25 * c.r + 0.5 * c.g + 0.25 * c.b; }
+
 vec3 rgb_of(vec3 c) { return vec3(c.x + c.y - c.z, c.x + c.z, c.x - c.y - c.z); }

@@ -10,6 +10,8 @@
 //           left a wall of infinite height half as dark as it is (0.25 for 0.40 at half the radius)
 #include "lib/surface_from_depth.glsl"
 #include "lib/ambient_texels.glsl"
+#include "lib/pixel_pattern.glsl"
+#include "lib/slices.glsl"
 #if LEVELS > 0
 #include "lib/half_depths.glsl"
 #endif
@@ -22,15 +24,6 @@ layout(binding = 17) uniform sampler2D t_depths;
 // log2 of the pixels from which on the next smaller copy of depth is taken: places lie that far apart, or more
 const int FINE = 3;
 #endif
-
-// A place in a pattern of 4 x 4 pixels, 0 to 15, far from those beside it (Bayer 1973).
-int pattern(ivec2 pixel)
-{
-    int x = pixel.x & 3;
-    int y = pixel.y & 3;
-    int z = x ^ y;
-    return ((y >> 1) & 1) | ((z & 2)) | ((y & 1) << 2) | ((z & 1) << 3);
-}
 
 float falloff(float d2)
 {
@@ -121,76 +114,86 @@ float horizons(ivec2 own, vec3 p, vec3 n, float reach, float turn, float shift)
     return 1.0 - sum / float(2 * DIRECTIONS);
 }
 
-// Integrals over a slice from v to a horizon at h, `gamma` being the normal's angle in it: x, of the cosine; y and z, of the
-// cosine times the direction's part along v and across it. x is a of eq. 8; the others follow from
-// cos t sin t cos(t - g) = (sin(3t - g) + sin(t + g)) / 4 and sin^2 t cos(t - g) = (2 cos(t - g) - cos(3t - g) - cos(t + g)) / 4.
-vec3 arc(float h, float gamma)
-{
-    vec3 a = vec3(0.25 * (cos(gamma) + 2.0 * h * sin(gamma) - cos(2.0 * h - gamma)), 0.0, 0.0);
 #if BENT
-    a.y = (4.0 * cos(gamma) - cos(3.0 * h - gamma) - 3.0 * cos(h + gamma)) / 12.0;
-    a.z = (6.0 * sin(h - gamma) + 8.0 * sin(gamma) - sin(3.0 * h - gamma) - 3.0 * sin(h + gamma)) / 12.0;
-#endif
-    return a;
-}
-
-// What is open of one side of a slice (`side` 1 or -1). As the horizon rises, what it newly hides counts by the fall-off of
-// what hides it. Elevations are taken from the tangent plane and not from v, so that a place beside the slice, at the
-// middle of its pixel, hides nothing of its own plane.
-vec3 open_arc(ivec2 own, vec3 p, vec3 n, vec2 towards, float reach, float shift, float gamma, float size, float side)
+// Integrals over a slice of the cosine times a direction's part along v and across it, from v to an angle h: with
+// cos t sin t cos(t - g) = (sin(3t - g) + sin(t + g)) / 4 and sin^2 t cos(t - g) = (2 cos(t - g) - cos(3t - g) - cos(t + g)) / 4.
+vec2 direction_to(float h, float gamma)
 {
-    float highest = 0.0;
-    vec3 last = arc(gamma + side * 0.5 * PI, gamma);
-    vec3 open = last;
+    float along = (4.0 * cos(gamma) - cos(3.0 * h - gamma) - 3.0 * cos(h + gamma)) / 12.0;
+    float across = (6.0 * sin(h - gamma) + 8.0 * sin(gamma) - sin(3.0 * h - gamma) - 3.0 * sin(h + gamma)) / 12.0;
+    return vec2(along, across);
+}
+#endif
+
+// Takes from `open` (its part along v and across it, its size) what is hidden on one side of a slice. What newly covers
+// sectors counts by its fall-off. `side`: 1 or -1.
+void hide(ivec2 own, vec3 p, vec3 n, Slice s, float side, vec2 towards, float reach, float shift, inout uint covered,
+          inout vec3 open)
+{
+    float last = side > 0.0 ? 32.0 : 0.0;
+    float far_before = view_depth(p);
+    float way_before = 0.0;
+    float each = sector_weight(s);
+#if 1
+    vec2 room = mix(vec2(own), view.size.xy - 1.0 - vec2(own), greaterThan(towards, vec2(0.0))) / max(abs(towards), vec2(1e-6));
+    reach = min(reach, max(min(room.x, room.y), 1.0));
+#endif
     for (int j = 0; j < STEPS; ++j) {
         float u = (float(j) + shift) / float(STEPS);
+        float way = max(reach * u * u, 1.0);
         bool seen;
-        vec3 d = blocker(own + ivec2(round(max(reach * u * u, 1.0) * towards)), own, p, seen);
-        if (!seen) continue;
+        ivec2 pixel = own + ivec2(round(way * towards));
+        vec3 d = blocker(pixel, own, p, seen);
+        if (!seen) {
+            if (pixel != own) far_before = -1.0;
+            continue;
+        }
         float d2 = max(dot(d, d), 1e-30);
-        float rise = min(above_plane(dot(d, n) * inversesqrt(d2)) / size, 1.0);
-        if (rise <= highest) continue;
-        highest = rise;
-        vec3 now = arc(gamma + side * (0.5 * PI - asin(rise)), gamma);
-        open -= falloff(nearest(p, d)) * (last - now);
-        last = now;
+        float far = view_depth(p + d);
+        vec3 away = -safe_normalize(view_vector(p + d));
+        vec2 seen_at = place_in(s, d, n, side);
+        float front = sector_of(s, seen_at);
+        bool joined = far_before > 0.0 && abs(far - far_before) < ao.thickness + FALL * (way - way_before) / pixels_per_metre(far);
+        float before = last;
+        last = front;
+        far_before = far;
+        way_before = way;
+        float rise = dot(d, n) * inversesqrt(d2);
+        float hides = falloff(nearest(p, d)) * smoothstep(ao.bias, 2.0 * ao.bias, rise);
+        if (!(hides > 0.0)) continue;
+        uint bits = bits_between(s, front, sector_of(s, place_in(s, d + away * ao.thickness, n, side)));
+        if (joined) bits |= bits_between(s, before, front);
+        bits &= ~covered;
+        covered |= bits;
+        float part = hides * each * float(bitCount(bits));
+        open.z -= part;
+#if BENT
+        open.xy -= part * seen_at.yx;
+#endif
     }
-    return open;
-}
-
-// The way over the picture (rows go down) of a step from p along `side`, which is at a right angle to what p is seen along.
-vec2 over_picture(vec3 to_eye, vec3 side, vec3 right, vec3 up)
-{
-    vec2 step_ = vec2(dot(side, right), dot(side, up));
-    if (view.camera.w > 0.5) {
-        vec3 back = cross(right, up);
-        step_ -= dot(side, back) / max(dot(to_eye, back), 1e-30) * vec2(dot(to_eye, right), dot(to_eye, up));
-    }
-    return vec2(step_.x, -step_.y) * inversesqrt(max(dot(step_, step_), 1e-30));
 }
 
 // Slices are spread evenly around what p is seen along, not around the picture's axis, so that also at the picture's edge
 // they make up the whole hemisphere.
 vec4 ground_truth(ivec2 own, vec3 p, vec3 n, float reach, float turn, float shift)
 {
-    vec3 to_eye = view_vector(p);
-    vec3 v = safe_normalize(to_eye);
+    vec3 v = safe_normalize(view_vector(p));
     vec3 right = safe_normalize(view.place_x.xyz);
-    vec3 up = safe_normalize(view.place_y.xyz);
-    vec3 across = safe_normalize(right - dot(right, v) * v);
-    vec3 upward = cross(v, across);
+    vec3 first = safe_normalize(right - dot(right, v) * v);
+    vec3 second = cross(v, first);
     vec4 sum = vec4(0.0);
     for (int i = 0; i < DIRECTIONS; ++i) {
         float angle = (float(i) + turn) * PI / float(DIRECTIONS);
-        vec3 side = across * cos(angle) + upward * sin(angle);
-        vec2 towards = over_picture(to_eye, side, right, up);
-        vec3 axis = cross(side, v);
-        vec3 projected = n - axis * dot(n, axis);
-        float size = max(length(projected), 1e-6);
-        float gamma = sign(dot(side, projected)) * acos(clamp(dot(projected, v) / size, -1.0, 1.0));
-        vec3 open = open_arc(own, p, n, towards, reach, shift, gamma, size, 1.0)
-                  + open_arc(own, p, n, -towards, reach, shift, gamma, size, -1.0);
-        sum += size * vec4(open.y * v + open.z * side, open.x);
+        Slice s = slice_at(v, n, first, second, angle, fract(shift + float(i) * 0.618034));
+        vec2 towards = picture_direction(p, s.side);
+        vec3 open = vec3(0.0, 0.0, s.size * (s.high - s.low));
+#if BENT
+        open.xy = s.size * (direction_to(s.gamma + 0.5 * PI, s.gamma) + direction_to(s.gamma - 0.5 * PI, s.gamma));
+#endif
+        uint covered = 0u;
+        hide(own, p, n, s, 1.0, towards, reach, shift, covered, open);
+        hide(own, p, n, s, -1.0, -towards, reach, shift, covered, open);
+        sum += vec4(open.x * v + open.y * s.side, open.z);
     }
     return sum / float(DIRECTIONS);
 }
@@ -207,7 +210,7 @@ void main()
         vec3 p = place_at(own, depth);
         vec3 n = facet_normal(own, p, depth);
         float pixels = ao.radius * pixels_per_metre(view_depth(p));
-        float reach = min(pixels, 0.5 * view.size.y);
+        float reach = min(pixels, view.size.y);
         if (reach > 1.0) {
             float turn = fract((float(pattern(texel)) + 0.5) / 16.0 + ao.turn);
             float shift = fract((float(pattern(texel.yx + ivec2(1, 2))) + 0.5) / 16.0 + ao.shift);

@@ -1,14 +1,14 @@
 // Light that arrives from other surfaces at each texel of a layer, cosine-weighted, over pi; and which part of the
 // hemisphere is left to the environment.
 //
-// METHOD 0  slices: the hemisphere in slices through the view direction, each in 32 sectors of equal weight. Places along
-//           a slice cover the sectors between their front and their back (Therrien, Levesque, Gilet 2023, "Screen Space
-//           Indirect Lighting with Visibility Bitmask", sect. 3); what newly covers a sector is what is seen in it.
-//           Sectors are even in the inner integral of Jimenez et al. 2016, "Practical Realtime Strategies for Accurate
-//           Indirect Occlusion", eq. 7, and not in angle, so that all weigh the same.
+// METHOD 0  slices (lib/slices.glsl): places along a slice cover the sectors between their front and their back; what newly
+//           covers a sector is what is seen in it.
 // METHOD 1  spiral: Mara et al. 2016, "Deep G-Buffers for Stable Global Illumination Approximation", sect. 4.2: the mean
 //           over places that are in front; nothing hides anything. 2 / M, not 2 pi / M: their B is over pi here.
 #include "lib/gather_read.glsl"
+#if METHOD == 0
+#include "lib/slices.glsl"
+#endif
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(binding = 1, rgba16f) uniform writeonly image2D i_gathered;
@@ -29,60 +29,6 @@ int level_of(float spacing)
 }
 
 #if METHOD == 0
-// Integral of |sin t| cos(t - gamma) from 0 to t, with the sign of t.
-float weight_to(float t, float gamma)
-{
-    float area = 0.25 * (cos(gamma) + 2.0 * t * sin(gamma) - cos(2.0 * t - gamma));
-    return t < 0.0 ? -area : area;
-}
-
-// Where places that lie along d from p are in the picture: unit, rows of pixels go down.
-vec2 picture_direction(vec3 p, vec3 d)
-{
-    vec3 right = safe_normalize(view.place_x.xyz);
-    vec3 up = safe_normalize(view.place_y.xyz);
-    vec2 along = vec2(dot(d, right), -dot(d, up));
-    if (view.camera.w > 0.5) {
-        vec3 q = p - view.camera.xyz;
-        float forward = dot(d, safe_normalize(view.place_z.xyz));
-        along = along * view_depth(p) - vec2(dot(q, right), -dot(q, up)) * forward;
-    }
-    return along * inversesqrt(max(dot(along, along), 1e-30));
-}
-
-struct Slice {
-    vec3 side;
-    vec3 v;
-    float gamma;
-    float size;  // of the normal's projection
-    float low;   // weight_to the ends of the hemisphere
-    float high;
-    float jitter;
-};
-
-// Where a direction lies among the slice's sectors, 0 to 32. Its height over the tangent plane is kept, whatever lies
-// beside the slice.
-float sector_of(Slice s, vec3 q, vec3 n)
-{
-    vec2 at = vec2(dot(q, s.side), dot(q, s.v));
-    vec2 normal = vec2(sin(s.gamma), cos(s.gamma));
-    at += normal * (dot(q, n) / s.size - dot(at, normal));
-    float t = clamp(atan(at.x, at.y), s.gamma - 0.5 * PI, s.gamma + 0.5 * PI);
-    return 32.0 * sat((weight_to(t, s.gamma) - s.low) / max(s.high - s.low, 1e-6));
-}
-
-uint bits_below(int count)
-{
-    return count <= 0 ? 0u : (count >= 32 ? 0xffffffffu : (1u << uint(count)) - 1u);
-}
-
-uint bits_between(Slice s, float a, float b)
-{
-    int first = int(floor(min(a, b) + s.jitter));
-    int last = int(floor(max(a, b) + s.jitter));
-    return bits_below(last) & ~bits_below(first);
-}
-
 // The place before, of the same layer: its sector, and how far from the camera it is.
 struct Step {
     float sector;
@@ -91,10 +37,9 @@ struct Step {
 
 // What one place covers: from its front to its back, as thick as the layers are apart; and what lies between it and the
 // place before where both may be of one surface, which seen at a steep angle goes back FALL times as far as aside (texels).
-void cover(Slice s, vec3 p, vec3 n, ivec2 at, ivec2 whole, int level, int layer, float depth, float aside,
+void cover(Slice s, float side, vec3 p, vec3 n, ivec2 at, ivec2 whole, int level, int layer, float depth, float aside,
            inout Step last, inout uint covered, inout Gathered g)
 {
-    const float FALL = 4.0;
     if (!(depth > 0.0)) {
         last.depth = -1.0;
         return;
@@ -103,19 +48,19 @@ void cover(Slice s, vec3 p, vec3 n, ivec2 at, ivec2 whole, int level, int layer,
     vec3 q = place - p;
     float d2 = dot(q, q);
     float far = view_depth(place);
-    float front = sector_of(s, q, n);
+    float front = sector_of(s, place_in(s, q, n, side));
     bool joined = last.depth > 0.0 && abs(far - last.depth) < gi.separation + FALL * aside * gi.scale.y / pixels_per_metre(far);
     float before = last.sector;
     last = Step(front, far);
     if (!(d2 < gi.radius * gi.radius) || d2 < 1e-30) return;
     if (dot(q, n) < IN_PLANE * sqrt(d2)) return;
     vec3 behind = q - safe_normalize(view_vector(place)) * gi.separation;
-    uint bits = bits_between(s, front, sector_of(s, behind, n));
+    uint bits = bits_between(s, front, sector_of(s, place_in(s, behind, n, side)));
     if (joined) bits |= bits_between(s, before, front);
     bits &= ~covered;
     if (bits == 0u) return;
     covered |= bits;
-    float weight = s.size * (s.high - s.low) * float(bitCount(bits)) * (1.0 / 32.0);
+    float weight = sector_weight(s) * float(bitCount(bits));
     if (dot(side_of(at, level, layer), q) < 0.0) {
         g.light += weight * calm_light(whole, level, layer, depth, COARSER);
         g.known += weight;
@@ -124,7 +69,7 @@ void cover(Slice s, vec3 p, vec3 n, ivec2 at, ivec2 whole, int level, int layer,
     }
 }
 
-void gather_side(Slice s, ivec2 own, float own_depth, vec3 p, vec3 n, vec2 towards, float end, float reach, float shift,
+void gather_side(Slice s, ivec2 own, float own_depth, vec3 p, vec3 n, vec2 towards, float side, float reach, float shift,
                  inout uint covered, inout Gathered g, out bool left_picture)
 {
     // no farther than the border: places are not wasted
@@ -132,6 +77,7 @@ void gather_side(Slice s, ivec2 own, float own_depth, vec3 p, vec3 n, vec2 towar
     float border = max(min(room.x, room.y), 0.0);
     left_picture = border < reach;
     reach = min(reach, border);
+    float end = side > 0.0 ? 32.0 : 0.0;
     Step last0 = Step(end, own_depth);
     Step last1 = Step(end, -1.0);
     float before = 0.0;
@@ -147,9 +93,9 @@ void gather_side(Slice s, ivec2 own, float own_depth, vec3 p, vec3 n, vec2 towar
         float aside = far - before;
         before = far;
         vec2 depths = texelFetch(t_depths, at, level).xy;
-        cover(s, p, n, at, whole, level, 0, depths.x, aside, last0, covered, g);
+        cover(s, side, p, n, at, whole, level, 0, depths.x, aside, last0, covered, g);
 #if LAYERS > 1
-        cover(s, p, n, at, whole, level, 1, depths.y, aside, last1, covered, g);
+        cover(s, side, p, n, at, whole, level, 1, depths.y, aside, last1, covered, g);
 #endif
     }
 }
@@ -165,22 +111,13 @@ Gathered gather(ivec2 cell, ivec2 own, vec3 p, vec3 n, vec3 v, float reach)
     for (int i = 0; i < DIRECTIONS; ++i) {
         // even about v, which evenly in the picture would not be
         float angle = (float(i) + turn) * PI / float(DIRECTIONS);
-        Slice s;
-        s.v = v;
-        s.side = cos(angle) * first + sin(angle) * second;
+        Slice s = slice_at(v, n, first, second, angle, fract(shift + float(i) * 0.618034));
         vec2 towards = picture_direction(p, s.side);
-        vec3 axis = cross(s.side, v);
-        vec3 projected = n - axis * dot(n, axis);
-        s.size = max(length(projected), 1e-3);
-        s.gamma = sign(dot(s.side, projected)) * acos(clamp(dot(projected, v) / s.size, -1.0, 1.0));
-        s.low = weight_to(s.gamma - 0.5 * PI, s.gamma);
-        s.high = weight_to(s.gamma + 0.5 * PI, s.gamma);
-        s.jitter = fract(shift + float(i) * 0.618034);
         uint covered = 0u;
         bool left[2];
-        gather_side(s, own, view_depth(p), p, n, towards, 32.0, reach, shift, covered, g, left[0]);
-        gather_side(s, own, view_depth(p), p, n, -towards, 0.0, reach, shift, covered, g, left[1]);
-        float each = s.size * (s.high - s.low) * (1.0 / 32.0);
+        gather_side(s, own, view_depth(p), p, n, towards, 1.0, reach, shift, covered, g, left[0]);
+        gather_side(s, own, view_depth(p), p, n, -towards, -1.0, reach, shift, covered, g, left[1]);
+        float each = sector_weight(s);
         // sectors on the far side of v belong to the second walk
         int middle = int(floor(32.0 * sat(-s.low / max(s.high - s.low, 1e-6)) + s.jitter));
         uint free_bits = ~covered;

@@ -1,7 +1,10 @@
 // The mean of this frame and those before. After Karis 2014, "High-Quality Temporal Supersampling" (weights by what the
 // display makes of a sample, the nearest surface's motion for the pixels around it), Salvi 2016, "An Excursion in Temporal
 // Supersampling" (colours of before within so many standard deviations) and Jimenez 2016, "Filmic SMAA" (bicubic fetch).
+// What is thinner than a pixel is missed in many frames, and the colours around then know nothing of it. Where they contradict
+// what was gathered now and then only, it is held to them less, for as many frames in a row as a thin line is missed.
 #include "lib/depth_read.glsl"
+#include "lib/half_float.glsl"
 #include "lib/math.glsl"
 #include "lib/taa.glsl"
 
@@ -10,22 +13,36 @@ layout(binding = 10) uniform sampler2D t_hdr;
 layout(binding = 28) uniform sampler2D t_mean;
 layout(binding = 29) uniform sampler2D t_seen;
 layout(binding = 30) uniform sampler2D t_motion;
-layout(binding = 1, rgba32f) uniform writeonly image2D i_mean;
-layout(binding = 2, r32f) uniform writeonly image2D i_seen;
+layout(binding = 1, rgba16f) uniform writeonly image2D i_mean;
+layout(binding = 2, rgba16f) uniform writeonly image2D i_seen;  // depth, what flickers, motion
 
 // of a depth: what lies so much before something hides it
 const float HIDES = 1.1;
+// frames in a row that a thin line may be missed; of how far it flickers, left by each frame that does not
+const float MISSED = 3.0;
+const float CALMS = 0.97;
+// pixels a frame: what moved more unlike what is there now is another thing
+const float ALIKE = 0.5;
+// no less than this is a difference, after the display's curve
+const float LEAST = 1.0 / 128.0;
+
+// Depth that half floats tell apart to 2 % however far it is; in a parallel projection, whose depth is linear, itself.
+const float FARTHEST = 1e-12;
+float stored_depth(float depth) { return view.camera.w > 0.5 ? log2(max(depth, FARTHEST)) : depth; }
+float kept_depth(float stored) { return view.camera.w > 0.5 ? exp2(stored) : stored; }
+
+ivec2 inside(ivec2 p) { return clamp(p, ivec2(0), ivec2(view.size.xy) - 1); }
 
 vec4 now_at(ivec2 p)
 {
-    vec4 c = texelFetch(t_hdr, clamp(p, ivec2(0), ivec2(view.size.xy) - 1), 0);
+    vec4 c = texelFetch(t_hdr, inside(p), 0);
     return vec4(compressed(sanitise(c.rgb)), coverage(c.a));
 }
 
 // What was gathered, sanitised; at a texel that is there.
 vec4 mean_at(ivec2 p)
 {
-    vec4 c = texelFetch(t_mean, clamp(p, ivec2(0), ivec2(view.size.xy) - 1), 0);
+    vec4 c = texelFetch(t_mean, inside(p), 0);
     return vec4(compressed(sanitise(c.rgb)), coverage(c.a));
 }
 
@@ -49,20 +66,23 @@ vec4 before_at(vec2 pixel)
     return vec4(max(sum.rgb, vec3(0.0)), sat(sum.a));
 }
 
-// Whether all that was seen around a place lay before what is there now: then it was hidden.
-bool was_hidden(ivec2 p, float depth, vec2 pixel)
+// Whether a surface at a depth was hidden by what was seen there, the farthest of the four texels around.
+bool was_hidden(ivec2 p, float depth, float farthest)
 {
     vec2 now = (vec2(p) + 0.5 - taa.jitter) * view.size.zw;
     vec4 before = taa.before_from_now * vec4(now.x * 2.0 - 1.0, 1.0 - now.y * 2.0, depth, 1.0);
     if (!(before.w > 0.0)) return true;
     float expected = before.z / before.w;
-    ivec2 from = ivec2(floor(pixel - 0.5));
-    float farthest = 1.0;
-    for (int k = 0; k < 4; ++k) {
-        ivec2 q = clamp(from + ivec2(k & 1, k >> 1), ivec2(0), ivec2(view.size.xy) - 1);
-        farthest = min(farthest, texelFetch(t_seen, q, 0).r);
-    }
-    return view.camera.w > 0.5 ? farthest > expected * HIDES : farthest > expected + 0.01;
+    return view.camera.w > 0.5 ? farthest > max(expected, FARTHEST) * HIDES : farthest > expected + 0.01;
+}
+
+// The mean as it is kept: rounded up or down by chance, so that what is added in small parts is not lost.
+void keep(ivec2 p, vec4 c)
+{
+    vec3 light = expanded(c.rgb);
+    float turn = fract(taa.turn + dot(vec2(p), vec2(0.7548776662, 0.5698402910)));  // R2: Roberts 2018
+    vec3 step = exp2(floor(log2(max(light, vec3(6.2e-5)))) - 10.0);
+    imageStore(i_mean, p, vec4(nearest_half(max(light + (turn - 0.5) * step, vec3(0.0))), c.a));
 }
 
 void main()
@@ -70,15 +90,16 @@ void main()
     ivec2 p = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(p, ivec2(view.size.xy)))) return;
     float depth = depth_at(p);
-    imageStore(i_seen, p, vec4(depth));
+    vec2 own = texelFetch(t_motion, p, 0).rg;
     vec4 now = now_at(p);
     if (taa.known < 0.5) {
-        imageStore(i_mean, p, vec4(expanded(now.rgb), now.a));
+        keep(p, now);
+        imageStore(i_seen, p, vec4(stored_depth(depth), 0.0, own));
         return;
     }
     if (taa.frozen > 0.5) {
-        vec4 mean = mix(mean_at(p), now, taa.part);
-        imageStore(i_mean, p, vec4(expanded(mean.rgb), mean.a));
+        keep(p, mix(mean_at(p), now, taa.part));
+        imageStore(i_seen, p, vec4(stored_depth(depth), texelFetch(t_seen, p, 0).g, own));
         return;
     }
 
@@ -95,26 +116,50 @@ void main()
         float d = depth_at(q);
         if (d > nearest_depth) {
             nearest_depth = d;
-            nearest = clamp(q, ivec2(0), ivec2(view.size.xy) - 1);
+            nearest = inside(q);
         }
     }
     vec2 moved = texelFetch(t_motion, nearest, 0).rg;
+    // what is thinner than a pixel goes on as it went, while it is missed
+    vec4 last = texelFetch(t_seen, p, 0);
+    if (nearest_depth == depth && fract(last.g) > 0.0 && distance(last.ba, moved) < ALIKE) moved = last.ba;
     vec2 pixel = vec2(p) + 0.5 - moved;
     bool outside = any(lessThan(pixel, vec2(0.0))) || any(greaterThan(pixel, view.size.xy));
+
+    // what was there: the farthest depth; of what moved as this does, what flickers most
+    ivec2 from = ivec2(floor(pixel - 0.5));
+    float farthest = 1.0;
+    float flickers = 0.0;
+    for (int k = 0; k < 4; ++k) {
+        vec4 seen = texelFetch(t_seen, inside(from + ivec2(k & 1, k >> 1)), 0);
+        farthest = min(farthest, kept_depth(seen.r));
+        if (distance(seen.ba, moved) < ALIKE) flickers = max(flickers, clamp(fract(seen.g), 0.0, 1.0));
+    }
+    float missed = floor(clamp(texelFetch(t_seen, inside(ivec2(pixel)), 0).g, 0.0, MISSED + 1.0));
     // where something moved itself, what it hid is not known from cameras; there the colours around have to do
-    vec2 own = texelFetch(t_motion, p, 0).rg;
-    bool dropped = outside || (own == moved && was_hidden(p, depth, pixel));
+    bool dropped = outside || (own == moved && was_hidden(p, depth, farthest));
 
     vec3 mean = sum * (1.0 / 9.0);
     vec3 spread = taa.spread * sqrt(max(squares * (1.0 / 9.0) - mean * mean, vec3(0.0)));
     vec4 before = moved == vec2(0.0) ? mean_at(p) : before_at(outside ? vec2(p) + 0.5 : pixel);
     // towards the mean until it is within the box of what is around
     vec3 off = ycocg(before.rgb) - mean;
-    vec3 units = abs(off) / max(spread, vec3(1e-6));
-    float farthest = max(units.x, max(units.y, units.z));
-    vec3 held = rgb_of(mean + off / max(farthest, 1.0));
+    bool told = all(lessThanEqual(abs(off), max(spread, vec3(LEAST))));
+    float change = abs(luma(now.rgb) - luma(before.rgb));
+    if (told) {
+        flickers = missed > 0.0 && missed <= MISSED ? max(flickers, min(change, 0.99)) : CALMS * flickers;
+        missed = 0.0;
+    } else {
+        missed = min(missed + 1.0, MISSED + 1.0);
+        if (missed > MISSED) flickers = 0.0;
+    }
+    if (flickers < LEAST || dropped) flickers = 0.0;
+    if (dropped) missed = 0.0;
+    vec3 units = abs(off) / max(spread + taa.thin * flickers, vec3(1e-6));
+    float most = max(units.x, max(units.y, units.z));
+    vec3 held = rgb_of(mean + off / max(most, 1.0));
     // each fetch between texels softens: the faster, the fewer frames; measured best for 0 to 3 pixels a frame
     float part = dropped ? 1.0 : min(taa.part * (1.0 + min(length(moved), 2.0)), 1.0);
-    vec4 result = vec4(mix(max(held, vec3(0.0)), now.rgb, part), mix(before.a, now.a, part));
-    imageStore(i_mean, p, vec4(expanded(result.rgb), result.a));
+    keep(p, vec4(mix(max(held, vec3(0.0)), now.rgb, part), mix(before.a, now.a, part)));
+    imageStore(i_seen, p, vec4(stored_depth(depth), missed + flickers, moved));
 }

@@ -46,7 +46,7 @@ def session(desc: TextureDesc, *, taken: bool = False) -> Session:
     [
         (TextureDesc("rgba16f", 40, 20), False, "hdr", ""),
         (TextureDesc("rgba16f", 40, 20, samples=4), False, "color", "several samples"),
-        (TextureDesc("rgba16f", 40, 20), True, "color", "written over"),
+        (TextureDesc("rgba16f", 40, 20), True, "hdr", ""),
     ],
     ids=["readable", "multisampled", "overwritten"],
 )

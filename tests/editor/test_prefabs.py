@@ -12,7 +12,7 @@ from real_session import opened, real_session
 from small_scene import write_small_scene
 from small_source import write_small_source
 
-from editor import journal, prefab_updates, prefabs, recovering, saving
+from editor import journal, prefab_updates, prefab_values, prefabs, recovering, saving
 from editor.builtin_operations import builtin_operations
 from editor.commands import structure
 from editor.session import Session
@@ -72,7 +72,7 @@ def test_a_selection_becomes_a_file_and_an_instance_of_it(session: Session, proj
     target = made(session, project)
     assert [n.name for n in read_scene(target).nodes] == ["stage", "plinth", "cube", "lamp"]
     assert np.allclose(document.runtime.scene.nodes.world_matrix(row(document, "cube")), world, atol=1e-12)
-    assert prefabs.own_values(document, document.primary) == ({}, [])
+    assert prefab_values.changes(document, document.primary) == ({}, [])
     alone = Runtime(open_device("null"))
     alone.open(target)
     assert not alone.findings.items, "its files are found from where it lies"
@@ -107,7 +107,7 @@ def test_instances_keep_what_is_their_own_and_follow_the_rest(session: Session, 
     assert document.runtime.scene.instances.drawn.sum() == 4
     second = row(document, "cube", 1)
     session.edit("nodes", "translation", (second,), ((0.0, 7.0, 0.0),))
-    assert prefabs.own_values(document, document.primary)[0] == {"stage/cube": ["place"]}
+    assert prefab_values.changes(document, document.primary)[0] == {"stage/cube": ["place"]}
     assert session.save()
     prefab = read_scene(target)
     prefab.nodes[2].translation = (0.0, 1.0, 0.0)
@@ -237,7 +237,7 @@ def test_placed_instances_survive_a_crash(session: Session, project: Path, tmp_p
     assert found is not None
     assert (names(found), int(found.runtime.scene.instances.drawn.sum())) == expected
     assert prefabs.root_of(found, row(found, "cube", 1)) >= 0
-    assert prefabs.own_values(found, prefabs.root_of(found, row(found, "cube", 1)))[0] == {"stage/cube": ["place"]}
+    assert prefab_values.changes(found, prefabs.root_of(found, row(found, "cube", 1)))[0] == {"stage/cube": ["place"]}
     again.close_all()
 
 

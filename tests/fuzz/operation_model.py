@@ -34,9 +34,8 @@ class Model:
             # a history that is there already was restored in part: what its states were, the first visit tells
             self.states, self.at = [""] * done + [now] + [""] * undone, done
             return
+        del self.states[: event.get("dropped", 0)]
         if event["e"] == "do":
-            if event["dropped"]:
-                del self.states[0]
             self.states = [*self.states[:done], now]
         elif event["e"] in ("undo", "redo", "end", "saved"):
             del self.states[done + undone + 1 :]
@@ -61,7 +60,7 @@ class Watched:
     document: Document
     home: Path
     model: Model = field(default_factory=Model)
-    first: Any = None
+    entries: tuple[Any, ...] = ()
     shared: bool = False
 
     def content(self) -> str:
@@ -71,8 +70,8 @@ class Watched:
         """What the trace says of something that the history did."""
         history = self.document.history
         entries = history.entries
-        dropped = len(entries) >= 1000 and entries[0] is not self.first
-        self.first = entries[0] if entries else None
+        forgotten = [i for i, entry in enumerate(self.entries) if entries and entry is entries[0]]
+        dropped, self.entries = forgotten[0] if forgotten else 0, entries
         label = {"undo": history.redo_label, "redo": history.undo_label, "do": history.undo_label}.get(what, "")
         return {
             "e": what, "key": self.key, "done": len(entries), "undone": len(history.undone), "dropped": dropped,

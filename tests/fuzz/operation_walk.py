@@ -55,8 +55,8 @@ class Walk:
 
     def watch(self, document: Document, *, key: str = "", model: Model | None = None) -> None:
         """Follow this document from now on; with a `model` it must be what that says."""
-        path = document.scene_path.resolve()
-        home = next((home for home in self.homes if home.resolve() in path.parents), path.parent)
+        places = [path.resolve() for path in (document.source, document.scene_path)]
+        home = next(home for home in self.homes if any(home.resolve() in path.parents for path in places))
         watched = Watched(key or uuid.uuid4().hex[:8], document, home)
         self.watched.append(watched)
         history = document.history
@@ -77,7 +77,7 @@ class Walk:
         watched.model = model
         if watched.content() != model.now:
             raise Broken("the restored document is not what it was when its process was killed")
-        watched.first = history.entries[0] if history.entries else None
+        watched.entries = history.entries
 
     def _tell(self, watched: Watched, what: str) -> None:
         event = watched.event(what)
@@ -102,7 +102,17 @@ class Walk:
         document, before, at = front.document, front.content(), front.model.at
         revision = document.history.revision
         stamps = {home: stamp_of(home) for home, count in Counter(w.home for w in self.watched).items() if count > 1}
-        kinds = {"undo": 18, "drag": 8, "set": 18, "select": 14, "operation": 42, "prefab": 4, "tab": 4, "look": 2}
+        kinds = {
+            "undo": 18,
+            "drag": 8,
+            "set": 18,
+            "select": 14,
+            "operation": 42,
+            "prefab": 4,
+            "tab": 4,
+            "look": 2,
+            "move": 3,
+        }
         kind = dice.choices(list(kinds), list(kinds.values()))[0]
         what = kind
         try:
@@ -123,6 +133,8 @@ class Walk:
                 what = self._prefab(dice)
             elif kind == "tab":
                 what = self._tab(dice)
+            elif kind == "move":
+                what = self._move(dice)
             elif kind == "look":
                 self._look(dice)
             elif kind == "select":
@@ -141,6 +153,7 @@ class Walk:
         quiet = front in self.watched and document.history.revision == revision
         if quiet and (front.content() != before or front.model.at != at):
             raise Broken(f"{what}: no edit was made, and the document is another")
+        what += f" ({session.ui.error_bar[:60]})" if session.ui.error_bar and kind == "move" else ""
         return what
 
     def keep_up(self) -> None:
@@ -194,7 +207,30 @@ class Walk:
         """A file of the document in front; what is to be opened lies in a folder of its own."""
         if id == "file.open" and dice.random() < 0.8:
             return stage.scene_of(dice.choice(self.homes))
-        return self.front.home / dice.choice(("other.scene.json", "sub/third.scene.json", "nowhere.glb"))
+        home = self.front.home
+        if id == "file.move" and dice.random() < 0.8:
+            return self._movable(home, dice)
+        return home / dice.choice(("other.scene.json", "sub/third.scene.json", "nowhere.glb"))
+
+    def _movable(self, home: Path, dice: random.Random) -> Path:
+        """A file of the project, or a place where it would be another; the scene that is opened stays."""
+        files = [p for p in sorted(home.rglob("*")) if p.is_file() and not p.name.endswith(".scene.json")]
+        path = dice.choice(files)
+        if dice.random() < 0.5:
+            return path
+        stem, dot, ending = path.name.partition(".")
+        return dice.choice((home, home / "moved", home / "moved/deep")) / f"{stem[:8]}{dice.randrange(3)}{dot}{ending}"
+
+    def _move(self, dice: random.Random) -> str:
+        """Move a file; what is unsaved would be in the way, and mostly is saved first."""
+        if dice.random() < 0.7 and self.session.document is not None:
+            self.session.save()
+        home = self.front.home
+        given = self._movable(home, dice), self._movable(home, dice)
+        if dice.random() < 0.7:
+            given = given[0], home / dice.choice(("moved", "deep/er", ".")) / given[0].name
+        self.operations.run("file.move", self.session, old=given[0], new=given[1])
+        return "file.move"
 
     def _tab(self, dice: random.Random) -> str:
         """Open, show, move or close a document; no more than three stay open."""
@@ -216,11 +252,13 @@ class Walk:
         document = self.session.document
         assert document is not None
         residency = document.runtime.residency
+        kind = dice.choice(("*.lmesh", "*.material.toml"))
+        path = dice.choice(sorted(self.front.home.rglob(kind)))
         with self.session.device_frame():
-            if dice.random() < 0.5:
-                residency.load_mesh_file(dice.choice(sorted(self.front.home.glob("*.lmesh"))))
+            if kind == "*.lmesh":
+                residency.load_mesh_file(path)
             else:
-                residency.load_material(dice.choice(sorted(self.front.home.rglob("*.material.toml"))))
+                residency.load_material(path)
 
     def _prefab(self, dice: random.Random) -> str:
         """An operation on an instance that there is, more often than chance selects one."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 import tempfile
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +20,7 @@ from engine.assets.primitives import card, cube, plane, uv_sphere
 from engine.assets.scene import EnvironmentAsset, LightAsset
 from engine.assets.texture import TextureAsset
 from engine.core.errors import InputError
-from engine.experiments.harness import rooms
+from engine.experiments.harness import floors, rooms
 from engine.experiments.harness.scenes import MADE, MadeScene
 from engine.gpu.types import Device
 from engine.math import quat
@@ -211,6 +212,8 @@ SAMPLES: dict[str, Callable[[MadeScene], None]] = {
     "nothing": nothing, "flat": flat, "ball": ball, "textured": textured, "glass": glass, "leaves": leaves,
     "blocks": blocks, "room": room, "court": court, "nave": nave, "panel": panel, "crowd": crowd, "metals": metals,
     "box": rooms.box, "atrium": rooms.atrium, "mirrors": rooms.mirrors,
+    "water": partial(floors.polished, roughness=0.0), "polish": partial(floors.polished, roughness=0.2),
+    "satin": partial(floors.polished, roughness=0.35),
 }  # fmt: skip
 
 

@@ -129,7 +129,7 @@ class GlDevice:
         self._begin_pass(label)
         try:
             encoder = GlRenderPass(self, label, colors, depth)
-        except BaseException:
+        except BaseException:  # an interrupt, too, ends the debug group
             self._close_group()
             raise
         self._pass = encoder

@@ -97,7 +97,7 @@ class ProgramBuild:
             if not _number(gl.GetProgramiv, self._name, e.LINK_STATUS):
                 log = _log(gl.GetProgramiv, gl.GetProgramInfoLog, self._name)
                 raise link_error(self._label, self._sources, log)
-        except BaseException:
+        except BaseException:  # an interrupt, too, leaves nothing behind
             self.release()
             raise
         self._drop_shaders()

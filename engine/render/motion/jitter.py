@@ -15,7 +15,8 @@ def radical_inverse(index: int, base: int) -> float:
 
 def halton(index: int) -> tuple[float, float]:
     """Point `index` (0 is the first) of the sequence in bases 2 and 3 (Halton 1960), in pixels from the middle:
-    [-1/2, 1/2)."""
+    [-1/2, 1/2). Over random edges 8 of them are off by 0.059 of a pixel (rms; the R2 sequence of Roberts 2018 0.064,
+    Sobol's 0.064), 16 by 0.037 (0.033, 0.042): while things move TAA sees no more than the last 8 or so."""
     return radical_inverse(index + 1, 2) - 0.5, radical_inverse(index + 1, 3) - 0.5
 
 

@@ -15,7 +15,7 @@ from engine.render.passes.ambient_occlusion import FILTERED, ambient_inputs
 from engine.render.passes.indirect import INDIRECT, indirect_inputs
 from engine.render.passes.light_culling import LIGHT_TILES, light_list_inputs
 from engine.render.passes.local_shadows import LOCAL_SHADOW, local_shadow_inputs
-from engine.render.passes.planar_reflections import PLANAR, PLANAR_DEPTH, planar_inputs
+from engine.render.passes.planar_reflections import PLANAR, PLANAR_REACH, planar_inputs
 from engine.render.passes.reflections import REFLECTIONS, reflection_inputs
 from engine.render.passes.shadow_cascades import SUN_MOMENTS, SUN_SHADOW, SUN_TINT, shadow_inputs
 
@@ -60,7 +60,7 @@ class OpaquePass(Pass):
         b.read(INDIRECT, optional=True)
         b.read(REFLECTIONS, optional=True)
         b.read(PLANAR, optional=True)
-        b.read(PLANAR_DEPTH, optional=True)
+        b.read(PLANAR_REACH, optional=True)
         if lighting.path == "forward-plus":
             b.read(LIGHT_TILES)
         if b.facts.depth_first:
@@ -111,7 +111,7 @@ class OpaqueForwardPass(Pass):
         b.read(INDIRECT, optional=True)
         b.read(REFLECTIONS, optional=True)
         b.read(PLANAR, optional=True)
-        b.read(PLANAR_DEPTH, optional=True)
+        b.read(PLANAR_REACH, optional=True)
         b.write("hdr")
         b.write("depth")
 

@@ -10,7 +10,7 @@ from engine.gpu.types import DepthAttachment, SamplerDesc
 from engine.render.facts import SceneFacts
 from engine.render.frame import SHADOW_DEPTH_UNIT, SHADOW_TINT_UNIT, SHADOW_UNIT, RenderFrame
 from engine.render.kept import KeptParts
-from engine.render.shadows.quality import LINEAR
+from engine.render.shadows.quality import HARDWARE, LINEAR
 
 #: d32f array: 1 towards the sun, 0 where nothing casts; only the layers of this frame's cascades mean anything
 SUN_SHADOW = "sun_shadow"
@@ -72,10 +72,8 @@ def shadow_inputs(ctx: PassContext) -> dict[int, Any]:
         return {SHADOW_DEPTH_UNIT: (ctx.texture(SUN_MOMENTS), ctx.device.sampler(LINEAR)), **tint}
     if not ctx.has(SUN_SHADOW):
         return tint
-    texture = ctx.texture(SUN_SHADOW)
-    filter = "nearest" if frame.facts.shadow_quality.filter == "none" else "linear"
-    compare = ctx.device.sampler(SamplerDesc("clamp", "clamp", "clamp", filter, filter, compare="gequal"))
-    bound = {SHADOW_UNIT: (texture, compare), **tint}
-    if frame.facts.shadow_quality.filter == "pcss":
-        bound[SHADOW_DEPTH_UNIT] = (texture, frame.point_sampler)
-    return bound
+    texture, chosen = ctx.texture(SUN_SHADOW), frame.facts.shadow_quality.filter
+    if chosen not in HARDWARE:
+        return {SHADOW_DEPTH_UNIT: (texture, frame.point_sampler), **tint}
+    compare = ctx.device.sampler(SamplerDesc("clamp", "clamp", "clamp", "linear", "linear", compare="gequal"))
+    return {SHADOW_UNIT: (texture, compare), **tint}

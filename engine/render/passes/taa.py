@@ -19,8 +19,9 @@ from engine.render.one_sample import reason
 from engine.render.passes.motion import MOTION
 from engine.render.passes.tone_map import exposure_scale
 
-#: rgba32f: sums of many frames in half floats stop short of their limit; and depth, to see what was hidden
-MEAN, SEEN = "taa_mean", "taa_depth"
+#: rgba16f, rounded by chance, so that sums of many frames do not stop short of their limit; and of what was seen depth,
+#: variance over frames and motion, to know what was hidden and what is thinner than a pixel
+MEAN, SEEN = "taa_mean", "taa_seen"
 HISTORY_UNIT, SEEN_UNIT, MOTION_UNIT = 28, 29, 30
 
 BLOCK = layout(
@@ -33,9 +34,13 @@ BLOCK = layout(
         Field("exposure", "float"),  # bright samples count less, by what the display makes of them
         Field("spread", "float"),  # standard deviations that colours of before may lie off
         Field("sharpness", "float"),
+        Field("thin", "float"),  # of the variance over frames, added to that of the colours around
+        Field("turn", "float"),  # of what is rounded by chance, from frame to frame
     ],
     rule="std140",
 )
+#: a turn that repeats least (golden ratio)
+GOLDEN = 0.6180339887
 #: what counts as frames gathered before when things come to rest
 RESTING = 3
 
@@ -51,8 +56,8 @@ class TaaPass(Pass):
         b.read("hdr")
         b.read("depth")
         b.read(MOTION)
-        b.create(MEAN, "rgba32f")
-        b.create(SEEN, "r32f")
+        b.create(MEAN, "rgba16f")
+        b.create(SEEN, "rgba16f")
         b.history(MEAN)
         b.history(SEEN)
         b.write("hdr")
@@ -69,6 +74,7 @@ class TaaPass(Pass):
         metered = frame.exposure.stops if frame.facts.auto_exposure and known else 0.0
         row["exposure"] = exposure_scale(frame.look["exposure"] + metered)
         row["spread"], row["sharpness"] = settings.taa_spread, settings.taa_sharpness
+        row["thin"], row["turn"] = settings.taa_thin, GOLDEN * motion.frames % 1.0
         block, point = frame.pass_block(self.name, row), frame.point_sampler
         mean = ctx.texture(MEAN)
         for shader, inputs, images in (

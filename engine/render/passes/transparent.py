@@ -12,7 +12,7 @@ from engine.render.facts import SceneFacts
 from engine.render.frame import RenderFrame
 from engine.render.passes.light_culling import LIGHT_TILES, light_list_inputs
 from engine.render.passes.local_shadows import LOCAL_SHADOW, local_shadow_inputs
-from engine.render.passes.planar_reflections import PLANAR, PLANAR_DEPTH, planar_inputs
+from engine.render.passes.planar_reflections import PLANAR, PLANAR_REACH, planar_inputs
 from engine.render.passes.scene_color import SCENE_COLOR, scene_color_inputs
 from engine.render.passes.shadow_cascades import SUN_MOMENTS, SUN_SHADOW, SUN_TINT, shadow_inputs
 
@@ -35,7 +35,7 @@ class TransparentPass(Pass):
         b.read(SUN_TINT, optional=True)
         b.read(LOCAL_SHADOW, optional=True)
         b.read(PLANAR, optional=True)
-        b.read(PLANAR_DEPTH, optional=True)
+        b.read(PLANAR_REACH, optional=True)
         b.read(LIGHT_TILES, optional=True)
         b.write("hdr")
 

@@ -14,6 +14,8 @@ FILTERS = (
 )  # fmt: skip
 #: those that look into blurred moments of depth
 MOMENTS = frozenset(COUNTS)
+#: those of the thesis, whose depths the hardware compares
+HARDWARE = frozenset({"poisson8", "poisson16", "poisson24"})
 PRECISIONS = ("single", "half")
 
 #: what a view may ask for: `auto` is what the device can afford

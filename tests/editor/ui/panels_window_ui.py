@@ -19,6 +19,8 @@ sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "editor" / "support"), str(ROOT 
 from small_scene import write_small_scene  # noqa: E402  (needs the path above)
 from window_run import WindowRun  # noqa: E402  (needs the path above)
 
+from editor.texture_sources import list_sources  # noqa: E402  (needs the path above)
+
 #: panels that the walk opens, in the order of its pictures
 PANELS = (
     "Scene", "Assets", "Inspector", "Lights", "Render settings", "Log", "Timings", "Variants", "Shader editor",
@@ -51,17 +53,48 @@ def panels(run: WindowRun) -> None:
             run.ctx.yield_(2)
 
 
-STEPS: dict[str, Callable[[WindowRun], None]] = {"panels": panels}
+def textures(run: WindowRun) -> None:
+    """The texture viewer: every source once, channels, mips, faces, zoom, values."""
+    show(run, "Textures")
+    viewer = run.panel("Textures")
+    sources = list_sources(run.session)
+    for source in sources:
+        run.do(lambda one=source: viewer._take(one))
+        if not run.until(lambda: viewer.image is not None or viewer.problem):
+            raise AssertionError(f"{source} was never read")
+        run.shot(f"texture-{source.kind}-{source.name}".replace("_", "-"))
+    colored = next((s for s in sources if s.kind == "material"), sources[-1])
+    viewer._take(colored)
+    run.ctx.yield_(4)
+    for channels in ("r", "luma", "normal"):
+        viewer.channels = channels
+        run.ctx.yield_(2)
+        run.shot(f"channel-{channels}")
+    viewer.channels, viewer.stops = "rgb", 2.0
+    run.ctx.yield_(2)
+    run.shot("texture-brighter")
+    viewer.stops = 0.0
+    at = run.ctx.item_info("//###Textures/##canvas").rect_full.get_center()
+    run.ctx.mouse_move_to_pos(at)
+    run.ctx.mouse_wheel_y(14)
+    run.ctx.yield_(4)
+    run.shot("texture-zoomed")
 
 
-def steps(run: WindowRun, path: Path, only: list[str]) -> None:
-    session = run.session
+STEPS: dict[str, Callable[[WindowRun], None]] = {"panels": panels, "textures": textures}
+
+
+def steps(run: WindowRun, path: Path, chosen: argparse.Namespace) -> None:
+    session, only = run.session, [n for n in chosen.only.split(",") if n]
     run.do(lambda: session.open(path))
     assert run.until(lambda: session.document is not None and session.image.frame is not None), session.ui.error_bar
     session.playback.playing = False
     run.ctx.yield_(8)
     run.shot("opened")
     session.ui.import_card = False
+    if chosen.scale != 1.0:  # the panels as they stand in a window of so few letters
+        session.ui.reset_layout = True
+        run.ctx.yield_(4)
     for name, step in STEPS.items():
         if not only or name in only:
             step(run)
@@ -82,7 +115,7 @@ def main(argv: list[str]) -> dict[str, Any]:
     run = WindowRun(chosen.folder, size=(width, height))
     preferences = run.session.preferences
     preferences.ui_scale, preferences.theme, preferences.language = chosen.scale, chosen.theme, chosen.language
-    run.play(lambda r: steps(r, path, [n for n in chosen.only.split(",") if n]))
+    run.play(lambda r: steps(r, path, chosen))
     return {"shots": run.shots, "error": run.error}
 
 

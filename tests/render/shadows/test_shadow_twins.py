@@ -18,14 +18,14 @@ TEXT = (shaders_dir() / "lib/shadows.glsl").read_text(encoding="utf-8")
 @pytest.mark.parametrize(
     ("name", "value"),
     [
-        ("FOOTPRINT", bias.FOOTPRINT), ("CONSTANT", bias.CONSTANT), ("MAX_SLOPE", bias.MAX_SLOPE),
-        ("MARGIN", fit.MARGIN),
+        ("FOOTPRINT", (bias.FOOTPRINT,)), ("CONSTANT", (bias.HARDWARE_CONSTANT, bias.CONSTANT)),
+        ("MAX_SLOPE", (bias.HARDWARE_MAX_SLOPE, bias.MAX_SLOPE)), ("LIFT", (bias.HARDWARE_LIFT, bias.LIFT)),
+        ("MARGIN", (fit.MARGIN,)),
     ],
 )  # fmt: skip
-def test_constants_agree(name: str, value: float) -> None:
-    found = re.search(rf"const float SHADOW_{name} = ([0-9.]+);", TEXT)
-    assert found is not None
-    assert float(found[1]) == value
+def test_constants_agree(name: str, value: tuple[float, ...]) -> None:
+    found = re.findall(rf"const float SHADOW_{name} = (\S+);", TEXT)
+    assert tuple(bias.FOOTPRINT if x == "SHADOW_FOOTPRINT" else float(x) for x in found) == value
 
 
 def test_the_shader_knows_every_filter() -> None:
@@ -34,6 +34,8 @@ def test_the_shader_knows_every_filter() -> None:
         "esm", "vsm", "evsm2", "evsm4", "msm",
     )  # fmt: skip
     assert quality.FILTERS.index("esm") == int(re.findall(r"SHADOW_MOMENTS \(SHADOW_FILTER >= (\d+)\)", TEXT)[0])
+    low, high = re.findall(r"SHADOW_HARDWARE \(SHADOW_FILTER >= (\d+) && SHADOW_FILTER <= (\d+)\)", TEXT)[0]
+    assert frozenset(quality.FILTERS[int(low) : int(high) + 1]) == quality.HARDWARE
     moments = (shaders_dir() / "lib/shadow_moments.glsl").read_text(encoding="utf-8")
     assert max(int(n) for n in re.findall(r"SHADOW_FILTER == (\d+)", moments)) == len(quality.FILTERS) - 1
 
