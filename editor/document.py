@@ -59,6 +59,8 @@ class Document:
         self.doing = ""
         #: where this document was saved in this session, or None
         self.saved_to: Path | None = None
+        #: (table, column, file) of values that were saved into files of their own (see saving.note_saved)
+        self.saved_values: set[tuple[str, str, str]] = set()
         #: the prefabs of its instances, as they were when they came (engine.assets.prefab.instance_nodes)
         self.prefabs: dict[Path, list[Any]] = {}
         self.prefab_stamps: dict[Path, tuple[int, int]] = {}
@@ -165,10 +167,16 @@ class Document:
 
     def close(self) -> None:
         """Close the runtime, and those that undo or redo would bring back."""
-        edits = (*self.history.entries, *self.history.undone)
-        parked = [r for edit in edits if isinstance(edit, Replacement) for r in edit.runtimes]
-        for runtime in {id(r): r for r in (self.runtime, *parked)}.values():
+        for runtime in (self.runtime, *self.parked):
             runtime.close()
+
+    @property
+    def parked(self) -> list[Runtime]:
+        """The runtimes that undo or redo would bring back, each once."""
+        edits = (*self.history.entries, *self.history.undone)
+        found = {id(r): r for edit in edits if isinstance(edit, Replacement) for r in edit.runtimes}
+        found.pop(id(self.runtime), None)
+        return list(found.values())
 
     def forget_bounds(self) -> None:
         """The scene is another one: nothing that was known of it holds."""

@@ -72,7 +72,7 @@ def add_editing_operations(ops: Operations) -> None:
         checked=lambda s: s.tools.measuring, about="Click two points: their distance in metres")  # fmt: skip
 
     add_bookmark_operations(ops)
-    for title in ("History", "Frame graph", "Textures", "Console"):
+    for title in ("History", "Frame graph", "Textures", "Asset report", "Console"):
         add(f"view.panel-{title.lower().replace(' ', '-')}", f"Show {title.lower()}", _show(title), enabled=always)
     add("file.copy-command", "Copy as command", _copy_command, "Ctrl+Shift+C", menu="File", separator=True,
         about="The command line that renders what the viewport shows")  # fmt: skip

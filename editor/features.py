@@ -59,7 +59,7 @@ FEATURES = (
     _f("Times of each pass, with what is not accounted for", "view.show-stats", "Timings", "render report", first="1"),
     _f("Every edit on disk at once; restored after a crash", "file.save", "History", first="1",
        more="asked for at the next start"),
-    _f("Undo: one entry a gesture", "edit.undo edit.redo", "History", "run", first="1"),
+    _f("Undo: one entry a gesture", "edit.undo edit.redo edit.history", "History", "run", first="1"),
     _f("Three keymaps, and an editor for them",
        "help.keymap-industry help.keymap-blender help.keymap-viewer help.preferences", "Preferences", first="1"),
     _f("Command palette", "help.palette", first="1"),
@@ -76,6 +76,7 @@ FEATURES = (
     _f("Selecting: click, box, through what lies in front", "select.nodes select.matching edit.select-all "
        "edit.select-children edit.select-parent edit.deselect", "Scene, Viewport", "run", "select"),
     _f("Scene tree, hanging elsewhere by a drag", "edit.reparent edit.unparent edit.group edit.rename", "Scene", "run"),
+    _f("A picture of each edit", "view.history-pictures edit.history", "History"),
     _f("Search and filters", "help.palette", "Scene, Assets, Log"),
     _f("Editing many at once", "edit.set", "Inspector", "run"),
     _f("Thumbnails of assets", "", "Assets"),
@@ -110,11 +111,13 @@ FEATURES = (
     _f("Projects and loose files", "file.open file.save file.save-as", "Assets", "new edit"),
     _f("Several documents", "document.next document.previous document.close-others"),
     _f("Scripts and plug-ins", "file.copy-script help.plugins help.reload-plugins", "Console, Plug-ins", "run"),
+    _f("Asset report: sizes, memory, materials, warnings", "view.panel-asset-report", "Asset report, Log",
+       "inspect check"),
     _f("Checks of assets", "", "Log", "check inspect"),
     _f("Layouts: workspaces, own ones, reset", "layout.edit layout.animate layout.shade layout.review layout.save-1 "
        "layout.load-1 view.reset-layout"),
-    _f("Prefabs and instances", "prefab.make prefab.choose prefab.place prefab.apply prefab.revert prefab.open",
-       "Scene, Inspector"),
+    _f("Prefabs and instances", "prefab.make prefab.choose prefab.place prefab.apply prefab.revert prefab.open "
+       "prefab.revert-value prefab.apply-value", "Scene, Inspector, Timeline", more="their clips play"),
     _f("Moving files of a project, references follow", "file.move file.rename-asset", "Assets"),
     _f("Grey, chrome and colour chart in the picture", "view.look-card", "Viewport"),
     _f("A floor that only shadows are seen of", "view.shadow-floor", "Viewport", "render"),

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from editor import replacing, tabs
 from editor.commands.replacement import FileStep
 from engine.core.errors import InputError, LucarnaError
-from importers.project.move_log import recover_around
+from importers.project.move_log import recover_around, told
 from importers.project.moving import Move, plan
 from importers.project.references import Reference, all_references
 
@@ -47,7 +47,7 @@ def put_back(session: Session, path: Path) -> None:
     """Put back what a process that died had begun to move around `path`, and say so in the log."""
     names = recover_around(path)
     if names:
-        session.messages.warn(f"A move was interrupted; put back: {', '.join(names)}", where=str(path))
+        session.messages.warn(f"Note: {told(names)}", where=str(path))
 
 
 class Moved:

@@ -30,13 +30,7 @@ def add_history_operations(ops: Operations) -> None:
 
 def go_to(session: Session, entries: int) -> None:
     """Undo or redo until so many entries are done."""
-    if session.document is None:
-        return
-    history = session.document.history
-    session.end_gesture()
-    history.go_to(entries)
-    done = history.entries
-    session.ui.notice = f"After: {done[-1].describe()}" if done else "As it was opened"
+    session.go_to(entries)
 
 
 def _go(session: Session, entries: int) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -75,7 +76,10 @@ class EngineHost:
     def resolve(self, path: Path, progress: Progress) -> Resolved:
         from editor.opening import resolve_path
 
-        return resolve_path(path, progress, self.source_extensions())
+        resolved = resolve_path(path, progress, self.source_extensions())
+        importlib.import_module("engine.app.runtime")  # here, so that the window's thread need not wait for it
+        importlib.import_module("importers.opening")
+        return resolved
 
     def open_runtime(self, device: Any, scene: Path, root: Path | None = None, base: Path | None = None) -> Runtime:
         """`base`: the scene file's content as it once was, for a recovery."""

@@ -15,6 +15,8 @@ from editor.window_state import Sight
 if TYPE_CHECKING:
     from editor.session import Session
 
+#: seconds at most between two pictures of what plays and is drawn by the processor
+LONGEST_REST = 0.25
 #: seconds; nothing is waited for
 NEVER = 1e6
 #: pictures a second of what plays behind another window, and of a bar that grows
@@ -93,7 +95,9 @@ class Idling:
         if not self.plays(session):
             return NEVER
         slow = self.sight == "behind" and session.preferences.in_background == "slow"
-        return 1.0 / BEHIND_FPS if slow else 0.0
+        # a processor that draws pictures itself rests as long as it worked: something is left for the window
+        rest = 1e-3 * image.frame.stats.total_ms if session.software and image.frame is not None else 0.0
+        return max(1.0 / BEHIND_FPS if slow else 0.0, min(rest, LONGEST_REST))
 
 
 def _timers(session: Session) -> float:

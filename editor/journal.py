@@ -32,6 +32,7 @@ from editor.commands.command import Command, Edit
 from editor.commands.replacement import FileStep, Replacement
 from editor.commands.structure import StructureCommand, load
 from editor.recovered_numbers import in_place, meant
+from editor.saving import note_saved, said_and_saved
 from engine.core.errors import InputError, LucarnaError
 from engine.core.findings import Findings
 from engine.core.paths import user_config_dir
@@ -110,6 +111,9 @@ class Journal:
         self._base, self._saved_to = base, document.saved_to
         stands: dict[str, Any] = {"n": len(history.entries), "dirty": history.dirty}
         self._line({"e": "rebased", "base": base, **self._place(), **stands, "to": str(document.saved_to or "")})
+        said = said_and_saved(document)
+        for key in said.keys() - document.overrides.keys():  # their files say something else, and no entry tells
+            self._line({"put": [*key, said[key]], **self._meaning(Command(key[0], key[1], key[2:], (0,), (0,)))})
         for (table, column, row), value in document.overrides.items() if new else ():
             edit = Command(table, column, (row,), (None,), (value,), "Recovered")
             self._line({"e": "do", "c": edit_to_plain(edit), **self._meaning(edit), **stands})
@@ -266,10 +270,13 @@ def replay(document: Document, path: Path) -> int:
                 document.saved_to = Path(line["to"]) if line["to"] else None
             if "prefab" in line:
                 document.prefabs[Path(line["prefab"])] = [node_from_plain(node) for node in line["nodes"]]
+            if "put" in line:
+                _put(document, line)
             if what == "do":
                 plain = in_place(line["c"], line.get("of", {}), document.runtime.residency)
                 history.do(edit_from_plain(plain, document), line.get("g"))
             elif what == "saved":
+                note_saved(document)
                 history.mark_saved()
             elif what in {"unsaved", "rebased"}:
                 if line.get("dirty", True) and not history.dirty:
@@ -289,6 +296,15 @@ def replay(document: Document, path: Path) -> int:
     if moves and not history.dirty and any(line.get("dirty") for _, line in lines[-1:]):
         history.mark_unsaved()
     return done
+
+
+def _put(document: Document, line: Mapping[str, Any]) -> None:
+    """Write a value that an entry before the base had saved and undoing brought back."""
+    table, column, row, value = line["put"]
+    (row,) = in_place({"table": table, "rows": [row]}, line.get("of", {}), document.runtime.residency)["rows"]
+    document.tables[table].write(column, (row,), (_tuples(value),))
+    file = str(Path(document.runtime.residency.material(row).path).resolve()) if table == "materials" else ""
+    document.saved_values.add((table, column, file))
 
 
 def discard(path: Path) -> None:

@@ -92,4 +92,4 @@ def run_shortcuts(ui: Ui, *, flying: bool) -> None:
         if (bare and flying) or (io.want_text_input and (bare or operation in TEXT_FIELDS_OWN)):
             continue
         if imgui.is_key_chord_pressed(chord(by_place(shortcut))):
-            ui.operations.run(operation, ui.session)
+            ui.operations.attempt(operation, ui.session)

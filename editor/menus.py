@@ -43,7 +43,7 @@ def _item(ui: Ui, operation: Operation) -> None:
     keys = ui.operations.keys_of(operation)
     key = shown_shortcut(keys[0]) if keys else ""
     if imgui.menu_item(f"{label}###{operation.id}", key, checked, operation.enabled(session))[0]:
-        ui.operations.run(operation.id, session)
+        ui.operations.attempt(operation.id, session)
     if operation.doc:
         tooltip(operation.doc)
 

@@ -26,7 +26,7 @@ def resolve_path(path: Path, progress: Progress, extensions: Sequence[str]) -> R
     Raises InputError when nothing there can be opened, Cancelled when `progress` calls it off.
     """
     from importers.cache import scene_for
-    from importers.project.move_log import recover_around
+    from importers.project.move_log import recover_around, told
     from importers.settings import ImportSettings
 
     path = Path(path)
@@ -48,9 +48,7 @@ def resolve_path(path: Path, progress: Progress, extensions: Sequence[str]) -> R
     progress(f"Importing {start.name}", -1.0)
     scene, findings = scene_for(start, settings=ImportSettings(), progress=progress)
     if put_back:
-        findings.warn(
-            "project.interrupted-move", f"a move was interrupted; put back: {', '.join(put_back)}", "", "move it again"
-        )  # fmt: skip
+        findings.warn("project.interrupted-move", told(put_back), "", "move it again")
     return Resolved(path, Path(scene), root, name, findings, _source_of(start))
 
 

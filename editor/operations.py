@@ -17,7 +17,7 @@ from editor import scripting
 from editor.arguments import Argument, checked
 from editor.session import Session
 from editor.strings import tr
-from engine.core.errors import UsageError
+from engine.core.errors import DeviceError, LucarnaError, UsageError
 
 #: how many lines of what was done are kept
 LOG_LIMIT = 2000
@@ -111,6 +111,16 @@ class Operations:
         with scripting.doing(session, line):
             operation.run(session, **values)
         return True
+
+    def attempt(self, id: str, session: Session, **given: Any) -> bool:
+        """As `run`, with what is refused in the error bar: for keys and menus, above which nobody answers for it."""
+        try:
+            return self.run(id, session, **given)
+        except DeviceError:  # nothing can be shown any more
+            raise
+        except LucarnaError as error:
+            session.fail(error)
+            return False
 
     def shortcuts(self) -> dict[str, str]:
         """Shortcut -> operation id, as in use; what was bound anew goes before what an operation has by itself."""

@@ -1,7 +1,7 @@
 """What an instance of a prefab has of its own, value by value: listed, reverted, applied to the prefab. No imgui.
 
-    own_values ─► the list of the inspector, the tree's hint, what saving writes down (engine.assets.prefab.FIELDS)
-    revert_value ─► one entry of plain edits, where the value is one of a table; else the scene is read again
+own_values ─► the list of the inspector, the tree's hint, what saving writes down (engine.assets.prefab.FIELDS)
+revert_value ─► one entry of plain edits, where the value is one of a table; else the scene is read again
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy as np
 
 from editor import prefabs, saving
 from editor.commands import structure
-from engine.assets.prefab import NODE, own_fields
+from engine.assets.prefab import NODE, differ, own_fields
 from engine.assets.scene import NodeAsset
 
 if TYPE_CHECKING:
@@ -51,7 +51,7 @@ def nodes_now(document: Document, rows: Collection[int]) -> dict[int, NodeAsset]
 
         nodes = node_assets(scene, rows)
         index = {int(row): i for i, row in enumerate(scene.row_of_node.tolist()) if row >= 0}
-        driven = getattr(getattr(runtime, "instance_clips", None), "driven", frozenset())
+        driven = saving.driven_rows(runtime)
         rests = {row: base.nodes[index[row]] for row in nodes if row in index}
         rests |= {row: scene.sources[row] for row in nodes if row in driven and row not in rests}
         for row, old in rests.items():
@@ -238,16 +238,16 @@ def _words(field: str, own: NodeAsset, node: NodeAsset) -> tuple[str, str]:
 def _said(field: str, node: NodeAsset, other: NodeAsset) -> str:
     """The value in words, and of what has many parts those that differ from `other`'s."""
     if field == "place":
-        if node.matrix != other.matrix:
+        if differ(node.matrix, other.matrix):
             return "a matrix" if node.matrix is not None else "move, turn, scale"
         parts = [("", node.translation, other.translation), ("turned ", node.rotation, other.rotation),
                  ("scaled ", node.scale, other.scale)]  # fmt: skip
-        return ", ".join(f"{word}{_numbers(mine)}" for word, mine, its in parts if mine != its)
+        return ", ".join(f"{word}{_numbers(mine)}" for word, mine, its in parts if differ(mine, its))
     if field in ("light", "camera"):
         mine, its = getattr(node, field), getattr(other, field)
         if mine is None or its is None:
             return "none" if mine is None else "one"
-        names = [f.name for f in fields(mine) if getattr(mine, f.name) != getattr(its, f.name)]
+        names = [f.name for f in fields(mine) if differ(getattr(mine, f.name), getattr(its, f.name))]
         return ", ".join(f"{name.replace('_', ' ')} {_plain(getattr(mine, name))}" for name in names)
     if field == "mesh":
         return "none" if node.mesh is None else node.mesh.name or node.mesh.file

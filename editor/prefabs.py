@@ -100,8 +100,19 @@ def place(session: Session, path: Path, matrix: ArrayLike | None = None) -> bool
         session.fail(error)
         return False
     document.selection = rows
+    _let_play(session)
     session.ui.notice = f"Placed {path.name}"
     return True
+
+
+def _let_play(session: Session) -> None:
+    """Where the first thing that moves has come: let it, as what is opened does."""
+    from editor.animating import following
+
+    still = not session.playback.available
+    following.follow(session)
+    if still and session.playback.available:
+        session.playback.playing = not session.software
 
 
 def _add(

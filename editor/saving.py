@@ -65,7 +65,8 @@ def save_document(document: Document, target: Path) -> list[Path]:
     target = target.resolve()
     source_dir, target_dir = document.scene_path.resolve().parent, target.parent
     asset = current_scene(document)
-    edited = edited_materials(document.runtime.residency, document.overrides)
+    said = said_and_saved(document)
+    edited = edited_materials(document.runtime.residency, said)
     written: list[Path] = []
     written += _carry_profiles(asset, target_dir)
     if source_dir != target_dir:
@@ -76,7 +77,7 @@ def save_document(document: Document, target: Path) -> list[Path]:
         name, clip = drifts
         write_lanim(target_dir / name, clip)
         written.append(target_dir / name)
-    animation = document.overrides.get(("animation", "text", 0))
+    animation = said.get(("animation", "text", 0))
     if animation is not None:
         asset.animation = _animation_name(asset.animation, target) if animation else ""
         if animation:
@@ -99,7 +100,29 @@ def save_document(document: Document, target: Path) -> list[Path]:
     from editor.reimporting import save_record
 
     write_scene(target, asset)
+    note_saved(document)
     return [*dict.fromkeys([*written, *save_record(document, target)]), target]
+
+
+def note_saved(document: Document) -> None:
+    """What the user said until now is in files of their own: when it is undone, they say it still."""
+    for table, column, row in document.overrides:
+        if table == "materials" and (path := document.runtime.residency.material(row).path):
+            document.saved_values.add((table, column, str(Path(path).resolve())))
+        elif table == "animation":
+            document.saved_values.add((table, column, ""))
+
+
+def said_and_saved(document: Document) -> dict[tuple[str, str, int], Any]:
+    """The user's values, and the present ones of what was saved and has been undone since."""
+    values = dict(document.overrides)
+    numbers = getattr(document.runtime.residency, "material_files", {})
+    for table, column, file in sorted(document.saved_values):
+        row = numbers.get(Path(file)) if file else 0
+        if row is not None and (table, column, row) not in values:
+            with contextlib.suppress(KeyError):  # the effect knows it no longer
+                values[table, column, row] = document.tables[table].read(column, (row,))[0]
+    return values
 
 
 def current_scene(document: Document) -> SceneAsset:
@@ -156,8 +179,7 @@ def edited_scene(runtime: Any, overrides: Mapping[tuple[str, str, int], Any]) ->
     """A copy of the runtime's scene asset with the user's values."""
     scene = runtime.scene
     if is_restructured(scene, runtime.asset):
-        driven = getattr(getattr(runtime, "instance_clips", None), "driven", frozenset())
-        return _restructured(scene, runtime.asset, overrides, driven)
+        return _restructured(scene, runtime.asset, overrides, driven_rows(runtime))
     asset: SceneAsset = copy.deepcopy(runtime.asset)
     for (table, column, row), value in overrides.items():
         if table == "nodes":
@@ -177,6 +199,12 @@ def edited_scene(runtime: Any, overrides: Mapping[tuple[str, str, int], Any]) ->
         elif table == BOOKMARKS:
             save_to(asset, row, value)
     return asset
+
+
+def driven_rows(runtime: Any) -> frozenset[int]:
+    """The nodes that clips of prefabs pose."""
+    rows: frozenset[int] = getattr(getattr(runtime, "instance_clips", None), "driven", frozenset())
+    return rows
 
 
 def is_restructured(scene: Any, base: SceneAsset) -> bool:

@@ -10,7 +10,8 @@ from typing import Any
 from editor import dropping, prefab_updates, recovering, reimporting, replacing, saving, tabs, work
 from editor.animating import following
 from editor.animating.view import AnimatingView
-from editor.commands.command import VIEW_TABLE
+from editor.commands.command import VIEW_TABLE, Edit
+from editor.commands.history import History
 from editor.document import Document
 from editor.looking import Looking
 from editor.opening import OpenJob
@@ -97,7 +98,8 @@ class Session(Looking):
         self.playback = Playback(duration=float(document.runtime.duration))
         self.followed, self.animating = None, AnimatingView()
         self.drawing_noted = (None, None)
-        self.playback.playing = self.playback.available and not self.software
+        self.playback.playing = self.playback.available and (self.show_off or not self.software)
+        self.show_off = False
         document.runtime.update(0.0)
         if not again:
             self.reset_camera()
@@ -170,15 +172,31 @@ class Session(Looking):
             self.document.history.end_gesture()
 
     def undo(self) -> None:
-        command = self.document.history.undo() if self.document is not None else None
-        if command is not None:
-            self.ui.notice = f"Undone: {command.describe()}"
-            following.follow(self)
+        """What cannot be undone (files that were moved are gone) is in the error bar, and stays to be undone."""
+        self._travel("Undone", lambda history: history.undo())
 
     def redo(self) -> None:
-        command = self.document.history.redo() if self.document is not None else None
+        self._travel("Redone", lambda history: history.redo())
+
+    def go_to(self, entries: int) -> None:
+        """Undo or redo until so many entries are done, as far as that can be."""
+
+        def go(history: History) -> Edit | None:
+            history.go_to(entries)
+            return history.last
+
+        self._travel("After", go)
+        if self.document is not None and not self.document.history.entries:
+            self.ui.notice = "As it was opened"
+
+    def _travel(self, done: str, go: Callable[[History], Edit | None]) -> None:
+        try:
+            command = go(self.document.history) if self.document is not None else None
+        except LucarnaError as error:
+            self.fail(error)
+            return
         if command is not None:
-            self.ui.notice = f"Redone: {command.describe()}"
+            self.ui.notice = f"{done}: {command.describe()}"
             following.follow(self)
 
     def thumbnail(self, material: int, slot: str) -> int:
@@ -212,6 +230,8 @@ class Session(Looking):
         document.history.mark_saved()
         if len(written) > 1:  # our own files are taken up now: later, they would undo what was edited since
             self.shaders.reload(self, force=False)
+            for runtime in document.parked:
+                runtime.residency.saved_elsewhere(written)
         more = f" and {len(written) - 1} more files" if len(written) > 1 else ""
         self.ui.notice = f"Saved {target.name}{more}"
         self.messages.info(self.ui.notice, where=str(target))

@@ -86,6 +86,8 @@ class SessionState:
     journal: Journal | None = None
     #: name of a node to select when a document opens
     select_on_open: str = ""
+    #: the next document plays from its first picture on, however slowly pictures are made
+    show_off: bool = False
     #: when to look at the files of prefabs again
     prefabs_at: float = 0.0
     #: the last thing the user asked for that could not be done

@@ -20,9 +20,9 @@ from engine.math.transform import compose
 
 F8 = NDArray[np.float64]
 GHOST_BEFORE, GHOST_AFTER = (0.38, 0.62, 0.95), (0.95, 0.55, 0.35)
-AXES = ((0.93, 0.30, 0.30, 1.0), (0.45, 0.80, 0.30, 1.0), (0.30, 0.50, 0.95, 1.0))
-#: scene-linear, by the number of bones that move a vertex
-INFLUENCES = ((0.10, 0.25, 0.80), (0.10, 0.60, 0.20), (0.80, 0.65, 0.10), (0.80, 0.15, 0.08), (0.60, 0.10, 0.70))
+AXES = ((0.93, 0.30, 0.30, 1.0), (0.56, 0.88, 0.39, 1.0), (0.30, 0.50, 0.95, 1.0))
+#: scene-linear, by the number of bones that move a vertex, as shaders/lib/skin_views.glsl
+INFLUENCES = ((0.0, 0.168, 0.445), (0.0, 0.342, 0.171), (0.871, 0.775, 0.054), (0.665, 0.112, 0.0), (0.604, 0.191, 0.386))
 #: above so many bones names are left out, but for those near the pointer
 MANY_NAMES = 80
 
@@ -66,7 +66,7 @@ def draw(session: Session, origin: tuple[float, float], width: float, height: fl
     own = _weight_colors(scene, joints) if str(getattr(session.settings, "view", "")) == "weights" else None
     colors = [(0.85, 0.9, 1.0, 0.9)] * len(joints) if own is None else [(*c, 1.0) for c in own.tolist()]
     if weights is not None:
-        colors = [(0.35 + 0.6 * w, 0.45 + 0.2 * w, 0.75 - 0.5 * w, 1.0) for w in weights.tolist()]
+        colors = [mask_color(w) for w in weights.tolist()]
     colors = [theme.ACCENT if int(j) in selected else c for j, c in zip(joints, colors, strict=True)]
     for i in range(len(joints)):
         up = int(parent[i])
@@ -117,6 +117,11 @@ def _influence_legend(origin: tuple[float, float], height: float) -> None:
         lines.add_rect_filled((x, y + em(0.45)), (x + em(0.7), y + em(1.15)), theme.u32((*color, 1.0)), 2.0)
         lines.add_text((x + em(0.9), y + em(0.25)), theme.u32(theme.TEXT), word)
         x += em(1.4) + imgui.calc_text_size(word).x
+
+
+def mask_color(weight: float) -> theme.Rgba:
+    """Of a bone that a mask takes with that weight: blue 0 to a lighter orange 1."""
+    return 0.35 + 0.6 * weight, 0.45 + 0.2 * weight, 0.75 - 0.5 * weight, 1.0
 
 
 def _weight_colors(scene: Any, joints: Any) -> F8:

@@ -82,6 +82,20 @@ def picture(values: NDArray[np.float32], channels: str, stops: float, low: float
     return out
 
 
+def magnified(
+    pixels: NDArray[np.uint8], low: tuple[float, float], scale: float, size: tuple[int, int]
+) -> NDArray[np.uint8]:
+    """u1[size y, size x, 4]: each texel a square, `scale` pixels wide, the first with its corner at `low`; clear beside
+    the picture."""
+    (height, width), (columns, rows) = pixels.shape[:2], size
+    x, y = (np.floor((np.arange(n) + 0.5 - start) / scale).astype(int) for n, start in zip(size, low, strict=True))
+    inside = ((y >= 0) & (y < height))[:, None] & ((x >= 0) & (x < width))[None, :]
+    found = pixels[np.clip(y, 0, height - 1)[:, None], np.clip(x, 0, width - 1)[None, :]]
+    out = np.zeros((rows, columns, 4), np.uint8)
+    out[inside] = found[inside]
+    return out
+
+
 def value_range(values: NDArray[np.float32]) -> tuple[float, float]:
     """(smallest, largest) finite value of all channels; (0, 1) where there is none."""
     finite = values[np.isfinite(values)]

@@ -37,11 +37,11 @@ ACCENT = rgb("#e9a94a")
 ACCENT_DIM = rgb("#e9a94a", 0.30)
 SELECTION = rgb("#2c5480", 0.72)
 SELECTION_HOVER = rgb("#3a6ea5", 0.35)
-INFO = rgb("#7fb2e8")
+INFO = rgb("#6fa8ec")
 WARNING = rgb("#e8c15a")
-ERROR = rgb("#ef6e64")
-GOOD = rgb("#79c07a")
-AXES = (rgb("#e5534b"), rgb("#78c250"), rgb("#4c8df0"))
+ERROR = rgb("#f0655c")
+GOOD = rgb("#8fd890")
+AXES = (rgb("#e5534b"), rgb("#8ee063"), rgb("#4c8df0"))
 FILL = rgb("#3d5a78")
 FILL_ACTIVE = rgb("#3d6189")
 POPUP = rgb("#1e2025")
@@ -50,8 +50,8 @@ BUTTON_ACTIVE = rgb("#424853")
 GRAB = rgb("#4c525d")
 SLIDER = rgb("#6f7784")
 LINES = rgb("#3a3f48")
-#: bars of the timings panel, in order; apart in hue and lightness, and told apart by their labels too
-SERIES = tuple(rgb(c) for c in ("#5b9bd5", "#e9a94a", "#79c07a", "#c77dd1", "#e57361", "#58bfb6", "#b3b84a", "#9a8ce0"))
+#: bars of the timings panel, in order; apart for every colour vision, and told apart by their labels too
+SERIES = tuple(rgb(c) for c in ("#47b8f0", "#f0c947", "#d55e00", "#a5f082", "#476ef0", "#bbbbbb", "#a9547e", "#7d6b4e"))
 
 #: what the other themes change; the rest is as above
 THEMES: dict[str, dict[str, Rgba]] = {

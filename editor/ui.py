@@ -23,6 +23,8 @@ class Ui:
     drawn: int = 0
     #: in which frame the viewport was last drawn
     viewport_at: int = -1
+    #: where its picture is in the window: x, y, width, height, imgui units
+    viewport_area: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
     #: an operation that was chosen and wants to be told something (see dialogs.arguments)
     asked: Operation | None = None
     #: whether the keys steer the camera

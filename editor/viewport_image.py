@@ -24,6 +24,8 @@ REST = 1.0
 
 #: seconds that a frame of the window spends on new shader programs: it stays under 50 ms where a program takes less
 PATIENCE = 0.02
+#: so many times that before there is any picture, while nobody does anything: fewer frames of an empty window
+LONGER_AT_FIRST = 5.0
 
 
 class ViewportImage:
@@ -74,7 +76,7 @@ class ViewportImage:
         self._rested, self.rehearsing = self.clock(), None
         try:
             with session.device_frame():
-                frame = self._made(runtime, self._timed(session.view()))
+                frame = self._made(runtime, self._timed(session.view()), busy=session.handling)
             if frame is None:
                 return self.frame
             self._settle(frame, changed=key != self._key)
@@ -134,12 +136,13 @@ class ViewportImage:
         self._unsure = 0 if first else UNSURE if changed else max(self._unsure - 1, 0)
         self.settling = self._unsure > 0 or not frame.settled
 
-    def _made(self, runtime: Any, view: Any) -> Any:
-        """A picture, or None while its programs are made."""
+    def _made(self, runtime: Any, view: Any, *, busy: bool) -> Any:
+        """A picture, or None while its programs are made. `busy`: the user does something meanwhile."""
         self.compiling = None
         if self.patience is None or not hasattr(runtime, "follow"):
             return runtime.render(view)
-        frame = runtime.follow(view, self.patience)
+        longer = LONGER_AT_FIRST if self.frame is None and not busy else 1.0
+        frame = runtime.follow(view, longer * self.patience)
         if frame is None:
             ahead = runtime.renderer.programs.ahead
             self.compiling = (ahead.done, ahead.total)
@@ -152,7 +155,7 @@ class ViewportImage:
         if not session.interacting or not session.preferences.adaptive_resolution:
             self._scale, self._moving = 1.0, session.interacting
         elif not self._moving:
-            self._moving = True
+            self._moving = self.frame is not None  # what plays from the first picture on: that one tells
             ms = self.frame.stats.total_ms if self.frame is not None else 0.0
             self._scale = next((scale for limit, scale in COARSER if ms > limit), 1.0)
         return self._scale

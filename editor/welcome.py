@@ -31,7 +31,7 @@ def open_sample(session: Session) -> None:
 def greet(session: Session) -> None:
     """The first start without a file: the sample, and the card with the three choices over it."""
     open_sample(session)
-    session.ui.welcome = True
+    session.show_off = session.ui.welcome = True
 
 
 def add_welcome_operations(ops: Operations) -> None:

@@ -32,6 +32,18 @@ def own_text(value: str, color: Rgba | None = None) -> None:
         text(value, color)
 
 
+@contextmanager
+def pages(name: str) -> Iterator[bool]:
+    """A row of tabs inside a panel, the one in front on a ground of its own. Yields False when it is clipped away."""
+    imgui.push_style_color(imgui.Col_.tab_selected, imgui.ImVec4(*theme.FRAME_ACTIVE))
+    imgui.push_style_color(imgui.Col_.tab_dimmed_selected, imgui.ImVec4(*theme.FRAME_ACTIVE))
+    shown = bool(imgui.begin_tab_bar(name, imgui.TabBarFlags_.fitting_policy_scroll))
+    yield shown
+    if shown:
+        imgui.end_tab_bar()
+    imgui.pop_style_color(2)
+
+
 def wrapped_text(value: str, color: Rgba | None = None) -> None:
     """Text in as many lines as the panel's width asks for."""
     imgui.push_text_wrap_pos(0.0)

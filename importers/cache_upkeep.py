@@ -2,6 +2,7 @@
 
     converted/<key>/    whole sources       textures/, env/, fbx_names/, opened/, refused/   single files
     thumbnails/         pictures of asset files (editor.thumbnail_maker)
+    unpacked/           textures decoded for software rasterisers (engine.resources.unpack, under 512 MiB)
     programs/           compiled shader programs (engine.gpu.program_cache, which keeps itself under 256 MiB)
 
 An entry is renamed before it is deleted, so nobody finds half of one; who was copying it makes it again. A shared store
@@ -24,7 +25,7 @@ from importers.cache import RECORD, owner
 #: what is an entry in each folder of the cache: a whole folder, or a file. Others (references) are not ours to prune.
 FOLDERS = {
     "converted": True, "textures": False, "env": False, "fbx_names": False, "opened": False, "refused": False,
-    "programs": False, "thumbnails": False,
+    "programs": False, "thumbnails": False, "unpacked": False,
 }  # fmt: skip
 #: seconds after which what no living process owns is litter
 ABANDONED = 3600.0

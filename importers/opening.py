@@ -11,7 +11,7 @@ from engine.assets.scene import EnvironmentAsset
 from engine.core.errors import InputError
 from engine.core.findings import Findings
 from importers.cache import scene_for
-from importers.project.move_log import recover_around
+from importers.project.move_log import recover_around, told
 from importers.settings import ImportSettings
 
 
@@ -22,12 +22,15 @@ def scene_path(
 
     Raises InputError when there is nothing to open, FormatError when the source is no sound file.
     """
-    recover_around(path)
+    put_back = recover_around(path)
     if not path.exists():
         raise InputError("there is no such file or folder", where=path)
     if path.is_dir() or path.name == "project.toml":
         path = load_project(path).start
-    return scene_for(path, settings=settings, progress=progress)
+    scene, findings = scene_for(path, settings=settings, progress=progress)
+    if put_back:
+        findings.warn("project.interrupted-move", told(put_back), "", "move it again")
+    return scene, findings
 
 
 def baker_for(base: Path) -> Callable[[EnvironmentAsset], Path]:

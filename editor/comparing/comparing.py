@@ -73,7 +73,9 @@ class Comparing:
             session.ui.notice = f"{a.label}: later edits have cut that branch of the history off"
             return
         b = now(session, self._name(session))
-        document.history.go_to(place)
+        session.go_to(place)
+        if len(document.history.entries) != place:
+            return
         for name, value in a.settings.items():
             if getattr(session.settings, name) != value:
                 setattr(session.settings, name, value)

@@ -9,9 +9,8 @@ from pathlib import Path
 from imgui_bundle import imgui
 
 from editor import icons, import_settings, theme
-from editor.dialogs.import_card_place import EDGE, Folding, placed
+from editor.dialogs.import_card_place import EDGE, NARROW, Folding, placed
 from editor.import_settings import FIXES, can_import
-from editor.panels.viewport import ViewportPanel
 from editor.reimporting import stamp_of
 from editor.ui import Ui
 from editor.widgets import bold, em, fitted, text, tooltip
@@ -37,6 +36,8 @@ class ImportCard:
         self._facts: dict[str, str] = {}
         self._read: tuple[object, ImportSettings] | None = None
         self.folding = Folding()
+        #: em that all of it took in the last draw
+        self._height = 1e9
 
     def draw(self, ui: Ui) -> None:
         session = ui.session
@@ -44,29 +45,26 @@ class ImportCard:
         if not session.ui.import_card or session.ui.welcome or document is None or not can_import(session):
             return
         assert document.imported_from is not None
-        area = imgui.get_main_viewport()
-        found = imgui.internal.find_window_by_name(f"###{ViewportPanel.title}")
-        pos, size = (found.pos, found.size) if found is not None else (area.pos, area.size)
-        place = placed(size.x / em(1), size.y / em(1))
+        x, y, width, height = ui.viewport_area
+        place = placed(width / em(1), height / em(1), self._height)
         if session.ui.import_card_opened:
             session.ui.import_card_opened = False
             self.folding.choose(whole=True)
         deed = document.selection, document.history.revision, session.camera
         self.folding.follow(document.news or document, deed, busy=session.importing is not None)
         whole = place.whole if self.folding.whole is None else self.folding.whole
-        name = f"{icons.MESH}  {fitted(document.imported_from.name, em(place.width - 6.5))}"
+        name = f"{icons.MESH}  {fitted(document.imported_from.name, em(place.width - 6.8))}"
         with bold(ui):
             line = imgui.calc_text_size(name).x / em(1)
-        width = place.width if whole else min(max(line + 6.0, 10.0), place.width)
-        imgui.set_next_window_pos(
-            (pos.x + size.x - em(EDGE), pos.y + em(place.top if whole else place.line)), imgui.Cond_.always, (1.0, 0.0)
-        )
-        imgui.set_next_window_size_constraints((em(width), 0), (em(width), em(place.height)))
+        wide = place.width if whole else min(max(line + 6.0, NARROW), max(width / em(1) - 2.0 * EDGE, NARROW))
+        at = (x + width - em(EDGE), y + em(place.top if whole else place.line))
+        imgui.set_next_window_pos(at, imgui.Cond_.always, (1.0, 0.0))
+        imgui.set_next_window_size_constraints((em(wide), 0), (em(wide), em(place.height)))
         imgui.set_next_window_bg_alpha(0.95)
         imgui.begin(self.NAME, None, FLAGS)
         with bold(ui):
             imgui.text_unformatted(name)
-        imgui.same_line(em(width - 4.2))
+        imgui.same_line(em(wide - 4.2))
         if imgui.small_button("–" if whole else "+"):
             self.folding.choose(whole=not whole)
         tooltip("Its name only" if whole else "All of it: size, warnings, what mends the usual mistakes")
@@ -86,6 +84,7 @@ class ImportCard:
             imgui.text_unformatted(fitted(value, em(place.width - 6.5)))
         self._fixes(ui)
         self._news(ui)
+        self._height = (imgui.get_cursor_pos_y() + imgui.get_scroll_y() + imgui.get_style().window_padding.y) / em(1)
         imgui.end()
 
     def _settings(self, source: Path) -> ImportSettings:

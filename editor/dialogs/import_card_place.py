@@ -6,8 +6,8 @@ from collections.abc import Hashable
 from dataclasses import dataclass
 from typing import Any
 
-#: em: how wide it is at most; from the viewport's edge; where it begins; the bars above the picture; worth showing
-WIDTH, EDGE, TOP, BARS, LEAST = 23.0, 0.8, 13.5, 5.0, 7.0
+#: em: how wide it is at most and at least; from the picture's edge; below the axes; worth showing unasked
+WIDTH, NARROW, EDGE, TOP, LEAST = 23.0, 9.0, 0.8, 8.0, 7.0
 #: the part of the picture that it covers at most, and em that one line of it takes
 SHARE, LINE = 1.0 / 3.0, 2.4
 #: draws in which what the window does by itself, as framing what was opened, is nobody's deed
@@ -16,8 +16,8 @@ YOUNG = 5
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """em; `height`: at most, the rest is scrolled to. `whole`: there is room for more than a line; `line`: where that
-    begins, when it is folded."""
+    """em, from the top right of the picture; `height`: at most, the rest is scrolled to. `whole`: there is room for more
+    than a line; `line`: where that begins, when it is folded."""
 
     top: float
     line: float
@@ -26,15 +26,18 @@ class Place:
     whole: bool
 
 
-def placed(width: float, height: float) -> Place:
-    """Where the card goes in a viewport of that size (em), bars and all: below the axes where there is room, else
+def placed(width: float, height: float, wanted: float = 1e9) -> Place:
+    """Where the card, `wanted` high, goes in a picture of that size (em): below the axes where there is room, else
     further up; over no more than SHARE of the picture, where that is more than a line."""
-    wide = max(min(WIDTH, width - 2.0 * EDGE), 8.0)
-    share = SHARE * width * max(height - BARS, 0.0) / wide
-    top = max(min(TOP, height - EDGE - share), BARS)
-    room = min(height - top - EDGE, share)
-    line = max(min(TOP, height - 2.0 * EDGE - LINE), BARS)
-    return Place(top, line, wide, max(room, LINE), room >= LEAST)
+    room = max(height - 2.0 * EDGE, LINE)
+    share = SHARE * width * height
+    wide = min(WIDTH, max(width - 2.0 * EDGE, NARROW))
+    narrow = min(max(share / room, NARROW), wide)
+    whole = share / wide >= LEAST and room >= LEAST
+    wide = wide if whole else narrow
+    high = max(min(room, share / wide), LINE)
+    top, line = (max(min(TOP, height - EDGE - h), EDGE) for h in (min(high, wanted), LINE))
+    return Place(top, line, wide, high, whole)
 
 
 class Folding:

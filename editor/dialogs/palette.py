@@ -55,7 +55,7 @@ class Palette:
         if chosen is not None and chosen.asks:
             ui.asked = chosen
         elif chosen is not None:
-            ui.operations.run(chosen.id, ui.session)
+            ui.operations.attempt(chosen.id, ui.session)
 
     def _row(self, ui: Ui, operation: Operation, selected: bool) -> bool:
         start = imgui.get_cursor_pos_x()

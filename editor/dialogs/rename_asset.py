@@ -70,6 +70,7 @@ class RenameAsset:
 
     def _start(self, ui: Ui, path: Path) -> None:
         self._old = path.absolute()
+        file_moves.put_back(ui.session, self._old)
         self._root = project_root(self._old)
         self._path = self._old.relative_to(self._root).as_posix()
         links = ui.session.links

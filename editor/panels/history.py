@@ -14,8 +14,9 @@ from editor.panels.base import Panel
 from editor.ui import Ui
 from editor.widgets import em, empty_state, fitted, text
 
-#: em: a picture's width and height in its line; the larger one's width under the pointer
-WIDTH, HEIGHT, LARGE = 3.0, 1.9, 17.0
+#: em: a picture's width and height in its line; the larger one's width under the pointer; a panel narrower than that
+#: shows pictures under the pointer only
+WIDTH, HEIGHT, LARGE, NARROW = 3.0, 1.9, 17.0, 9.0
 #: before the label: without pictures, with them
 INDENT, BESIDE = 1.5, 1.5 + WIDTH + 0.5
 
@@ -37,6 +38,7 @@ class HistoryPanel(Panel):
         entries: list[Edit | None] = [None, *history.entries, *history.undone]
         now = len(history.entries)
         pictures = ui.session.preferences.history_pictures and not ui.session.null_pictures
+        inline = pictures and imgui.get_content_region_avail().x >= em(NARROW)
         imgui.begin_child("entries")
         clipper = imgui.ListClipper()
         clipper.begin(len(entries))
@@ -46,7 +48,7 @@ class HistoryPanel(Panel):
         wanted = -1
         while clipper.step():
             for i in range(clipper.display_start, clipper.display_end):
-                if self._row(ui, document, entries[i], i, pictures):
+                if self._row(ui, document, entries[i], i, pictures, inline):
                     wanted = i
                 if follow and i == now:
                     imgui.set_scroll_here_y(0.5)
@@ -55,11 +57,13 @@ class HistoryPanel(Panel):
         if wanted >= 0:
             history_operations.go_to(ui.session, wanted)
 
-    def _row(self, ui: Ui, document: Document, entry: Edit | None, index: int, pictures: bool) -> bool:
-        """One line; True when it was clicked."""
+    def _row(
+        self, ui: Ui, document: Document, entry: Edit | None, index: int, pictures: bool, inline: bool
+    ) -> bool:  # fmt: skip
+        """One line, its picture in it where that is `inline`; True when it was clicked."""
         now, saved = len(document.history.entries), document.history.saved_at
         label = entry.describe() if entry is not None else "Opened"
-        height = em(HEIGHT + 0.3) if pictures else imgui.get_frame_height() * 0.92
+        height = em(HEIGHT + 0.3) if inline else imgui.get_frame_height() * 0.92
         native, shape = ui.session.history_pictures.native(document, entry) if pictures else (0, 0.0)
         start = imgui.get_cursor_screen_pos()
         clicked = bool(imgui.selectable(f"##entry{index}", index == now, 0, (0, height))[0])
@@ -71,15 +75,17 @@ class HistoryPanel(Panel):
         if index:  # the thread from edit to edit
             lines.add_line((x, start.y - height / 2.0 + em(0.05)), (x, middle - em(0.25)), theme.u32(theme.FAINT), 1.0)
         lines.add_circle_filled((x, middle), em(0.24 if index == now else 0.17), theme.u32(color))
-        if pictures:
+        if inline:
             _picture(lines, start.x + em(INDENT), middle, native, shape, index > now)
-        imgui.same_line(em(BESIDE if pictures else INDENT))
-        imgui.set_cursor_pos_y(imgui.get_cursor_pos_y() + max((height - imgui.get_text_line_height()) / 2.0, 0.0))
+        imgui.same_line(em(BESIDE if inline else INDENT))
+        y = imgui.get_cursor_pos_y() + max((height - imgui.get_text_line_height()) / 2.0, 0.0)
+        imgui.set_cursor_pos_y(y)
         tag = "  saved" if saved == index else ""
         room = imgui.get_content_region_avail().x - imgui.calc_text_size(tag).x
         text(fitted(label, room), theme.TEXT if index == now else theme.DIM if index < now else theme.FAINT)
         if tag:
             imgui.same_line(0, 0)
+            imgui.set_cursor_pos_y(y)
             text(tag, theme.GOOD)
         return clicked
 

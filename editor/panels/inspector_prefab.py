@@ -1,5 +1,5 @@
-"""The inspector's part on prefabs: which one the selected node came from, and what the instance has of its own, value by
-value, each to be given back or to be made the prefab's."""
+"""The inspector's part on prefabs: which one the selected node came from, and what the instance has of its own, value
+by value, each to be given back or to be made the prefab's."""
 
 from __future__ import annotations
 
@@ -34,20 +34,20 @@ class PrefabPart:
             (("prefab.open", "Open"), ("prefab.revert", "Revert all"), ("prefab.apply", "Apply all"))
         ):
             if number:
-                flow(imgui.calc_text_size(label).x + 2.0 * imgui.get_style().frame_padding.x, 0.3)
+                flow(_button_width(label), 0.3)
             imgui.begin_disabled(bool(number) and not own)
             if imgui.button(f"{label}##{id}"):
                 ui.operations.run(id, session)
             imgui.end_disabled()
             tooltip(ui.operations[id].doc)
         if row != root:
-            flow(em(4), 0.3)
+            flow(_button_width("Select the instance"), 0.3)
             if imgui.button("Select the instance"):
                 document.select(root)
         if not own:
             text("Nothing of its own", theme.DIM)
         else:
-            text(f"{len(own)} value{'s' if len(own) != 1 else ''} of its own", theme.DIM)
+            text(f"Of its own: {len(own)}", theme.DIM)
             self._list(ui, document, own)
         imgui.spacing()
 
@@ -80,12 +80,19 @@ class PrefabPart:
         imgui.same_line(0, em(0.5))
         text(label, theme.ACCENT)
         imgui.same_line(start.x + width - buttons)
-        if icon_button(f"{icons.RESET}##revert", "Give it back: as the prefab has it"):
+        if icon_button(f"{icons.RESET}###revert", "Give it back: as the prefab has it"):
             ui.operations.run("prefab.revert-value", ui.session, **given)
         imgui.same_line(0, 0)
-        if icon_button(f"{icons.UP}##apply", "Apply: make it the prefab's, and so all instances'"):
+        if icon_button(f"{icons.UP}###apply", "Apply: make it the prefab's, and so all instances'"):
             ui.operations.run("prefab.apply-value", ui.session, **given)
-        said = "the prefab has it, this instance has not" if value.field == REMOVED else f"{value.here}  ←  {value.there}"
+        half = (width - em(2.6)) / 2.0
+        said = f"{fitted(value.here, half)}  ←  {fitted(value.there, half)}"
+        if value.field == REMOVED:
+            said = fitted("The prefab has it, this instance has not", width - em(0.6))
         imgui.set_cursor_pos_x(start.x + em(0.6))
-        text(fitted(said, width - em(0.6)), theme.DIM)
+        text(said, theme.DIM)
         tooltip(f"Here: {value.here}\nIn the prefab: {value.there}" if value.field != REMOVED else "")
+
+
+def _button_width(label: str) -> float:
+    return imgui.calc_text_size(label).x + 2.0 * imgui.get_style().frame_padding.x

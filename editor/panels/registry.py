@@ -10,7 +10,7 @@ PANELS = (
     "scene_tree", "assets", "viewport", "inspector", "lights", "render_settings", "log", "timings", "variants",
     "shader_editor",
     "animation_timeline", "state_graph", "blend_space", "bone_masks", "history", "frame_graph", "texture_viewer",
-    "report", "numbers", "console", "plugins", "preferences",
+    "report", "asset_report", "numbers", "console", "plugins", "preferences",
     "material_preview", "brdf_explorer", "compare",
 )  # fmt: skip
 

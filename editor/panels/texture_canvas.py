@@ -10,9 +10,22 @@ from imgui_bundle import imgui
 from editor import theme
 
 LEAST, MOST = 0.02, 128.0
-#: from this zoom on, the texel under the pointer is framed
-FRAMED = 4.0
+#: from this zoom on texels are squares, and the one under the pointer is framed
+MAGNIFIED = 3.0
 STEP = 1.25
+
+
+@dataclass(frozen=True, slots=True)
+class Placed:
+    """In imgui units of the screen: the place `origin`, `size`, and the picture `low` to `high` in it, `scale` a texel.
+    `where`: the texel under the pointer."""
+
+    origin: tuple[float, float]
+    size: tuple[float, float]
+    low: tuple[float, float]
+    high: tuple[float, float]
+    scale: float
+    where: tuple[int, int] | None
 
 
 @dataclass(slots=True)
@@ -37,19 +50,16 @@ class Canvas:
             self.center = (0.5 * width, 0.5 * height)
         self.zoom = min(max(zoom, LEAST), MOST)
 
-    def draw(
-        self, native: int, width: int, height: int, room: tuple[float, float], marked: tuple[int, int] | None
-    ) -> tuple[int, int] | None:
-        """Over `room` imgui units; returns the texel under the pointer. The wheel zooms, a drag moves, a double click
-        fits."""
+    def place(self, width: int, height: int, room: tuple[float, float]) -> Placed:
+        """Where a picture of that size stands in `room` imgui units from the cursor on. The wheel zooms, a drag moves,
+        a double click fits."""
         origin = imgui.get_cursor_screen_pos()
         size = (max(room[0], 1.0), max(room[1], 1.0))
         imgui.invisible_button(
             "##canvas", size, imgui.ButtonFlags_.mouse_button_left | imgui.ButtonFlags_.mouse_button_middle
         )
         hovered, io = imgui.is_item_hovered(), imgui.get_io()
-        fit = min(size[0] / width, size[1] / height)
-        scale = self.zoom or fit
+        scale = self.zoom or min(size[0] / width, size[1] / height)
         if not self.zoom:
             self.center = (0.5 * width, 0.5 * height)
         if imgui.is_item_active() and (io.mouse_delta.x or io.mouse_delta.y):
@@ -65,27 +75,30 @@ class Canvas:
             self.center = (x, y)
         self.scale = scale
         low = (middle[0] - self.center[0] * scale, middle[1] - self.center[1] * scale)
-        high = (low[0] + width * scale, low[1] + height * scale)
-        lines = imgui.get_window_draw_list()
-        lines.push_clip_rect(origin, (origin.x + size[0], origin.y + size[1]), True)
-        if native:
-            lines.add_image(imgui.ImTextureRef(native), low, high)
         where = None
         if hovered:
             x, y = ((io.mouse_pos[i] - low[i]) / scale for i in (0, 1))
             if 0 <= x < width and 0 <= y < height:
                 where = (int(x), int(y))
-        if marked is not None:
-            _frame(lines, low, marked, max(scale, 6.0), scale, theme.ERROR, 2.0)
-        if where is not None and scale >= FRAMED:
-            _frame(lines, low, where, scale, scale, theme.ACCENT, 1.0)
-        lines.pop_clip_rect()
-        return where
+        return Placed((origin.x, origin.y), size, low, (low[0] + width * scale, low[1] + height * scale), scale, where)
 
 
-def _frame(
-    lines: Any, low: tuple[float, float], texel: tuple[int, int], size: float, scale: float, color: theme.Rgba,
-    thick: float,
-) -> None:  # fmt: skip
-    a, b = low[0] + texel[0] * scale, low[1] + texel[1] * scale
+def paint(placed: Placed, native: int, marked: tuple[int, int] | None, *, magnified: bool) -> None:
+    """Draw the picture, and frames about the texel that is marked and the one under the pointer. `magnified`: the
+    texture is what the whole place shows (see texture_view.magnified), else the picture."""
+    end = (placed.origin[0] + placed.size[0], placed.origin[1] + placed.size[1])
+    lines = imgui.get_window_draw_list()
+    lines.push_clip_rect(placed.origin, end, True)
+    if native:
+        ends = (placed.origin, end) if magnified else (placed.low, placed.high)
+        lines.add_image(imgui.ImTextureRef(native), *ends)
+    if marked is not None:
+        _frame(lines, placed, marked, max(placed.scale, 6.0), theme.ERROR, 2.0)
+    if placed.where is not None and placed.scale >= MAGNIFIED:
+        _frame(lines, placed, placed.where, placed.scale, theme.ACCENT, 1.0)
+    lines.pop_clip_rect()
+
+
+def _frame(lines: Any, placed: Placed, texel: tuple[int, int], size: float, color: theme.Rgba, thick: float) -> None:
+    a, b = placed.low[0] + texel[0] * placed.scale, placed.low[1] + texel[1] * placed.scale
     lines.add_rect((a, b), (a + size, b + size), theme.u32(color), 0.0, thick)

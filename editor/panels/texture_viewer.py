@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 from editor import icons, theme
 from editor.flowing import button_width, field_width, flow_field, flow_icon
 from editor.panels.base import ASSET, Panel
-from editor.panels.texture_canvas import Canvas
+from editor.panels.texture_canvas import MAGNIFIED, Canvas, Placed, paint
 from editor.picture_files import PictureFiles
 from editor.texture_sources import ALL_FACES, FACES, KINDS, Level, Source, list_sources, read
-from editor.texture_view import CHANNELS, depth_range, normals, not_numbers, picture, value_range
+from editor.texture_view import CHANNELS, depth_range, magnified, normals, not_numbers, picture, value_range
 from editor.thumbnail_maker import ENVIRONMENTS, TEXTURES, sort_of
 from editor.ui import Ui
 from editor.widgets import em, empty_state, fitted, flow, icon_button, mono, text, tooltip
@@ -55,6 +55,8 @@ class TextureViewerPanel(Panel):
         self.bad = (0, 0)
         self._read_key: object = None
         self._shown_key: object = None
+        self._pixels_key: object = None
+        self._pixels: NDArray[np.uint8] | None = None
         self._texture: Any = None
         self._owner: object = None
         #: the texel that was asked for: x, y of the level; None when another source was chosen
@@ -188,7 +190,8 @@ class TextureViewerPanel(Panel):
             return
         if found is None:  # on its way: what was there stays
             return
-        self._read_key, self._shown_key, self.problem = key, None, ""
+        self._read_key, self.problem = key, ""
+        self._pixels_key = self._shown_key = None
         self.image, self.values = found, found.values
         self.level = min(self.level, found.desc.mips - 1)
         self.bad = not_numbers(found.values)
@@ -204,12 +207,14 @@ class TextureViewerPanel(Panel):
 
     def _picture(self, ui: Ui) -> None:
         assert self.values is not None
-        self._upload(ui)
         height, width = self.values.shape[:2]
         room = imgui.get_content_region_avail()
         footer = self._footer_lines() * imgui.get_frame_height_with_spacing()
-        native = self._texture.native if self._texture is not None else 0
-        where = self.canvas.draw(native, width, height, (room.x, room.y - footer), self.marked)
+        placed = self.canvas.place(width, height, (room.x, room.y - footer))
+        large = placed.scale * ui.pixel_scale >= MAGNIFIED
+        self._upload(ui, placed, large)
+        paint(placed, self._texture.native if self._texture is not None else 0, self.marked, magnified=large)
+        where = placed.where
         if where is not None and imgui.is_mouse_clicked(imgui.MouseButton_.right):
             pixel = ", ".join(f"{float(v):.9g}" for v in self.values[where[1], where[0]])
             ui.session.ui.copy_text, ui.session.ui.notice = pixel, f"Copied {pixel}"
@@ -281,16 +286,28 @@ class TextureViewerPanel(Panel):
         height, width = self.values.shape[:2]
         return self.marked if self.marked[0] < width and self.marked[1] < height else None
 
-    def _upload(self, ui: Ui) -> None:
-        """Bring what is to be seen into a texture of our own."""
+    def _upload(self, ui: Ui, placed: Placed, large: bool) -> None:
+        """Bring what is to be seen into a texture of our own: the picture, or the squares of `large` texels."""
         image = self.image
         assert image is not None
         key = (self._read_key, self.channels, self.stops, self.low, self.high)
-        if key == self._shown_key:
+        if key != self._pixels_key:
+            self._pixels_key = key
+            encode, normal = image.floating or image.srgb, image.desc.format in {"bc5", "rg8"}
+            self._pixels = picture(
+                image.values, self.channels, self.stops, self.low, self.high, encode=encode, normal=normal
+            )
+        assert self._pixels is not None
+        shown = (key, (placed.origin, placed.size, placed.low, placed.scale) if large else None)
+        if shown == self._shown_key:
             return
-        self._shown_key = key
-        encode, normal = image.floating or image.srgb, image.desc.format in {"bc5", "rg8"}
-        pixels = picture(image.values, self.channels, self.stops, self.low, self.high, encode=encode, normal=normal)
+        self._shown_key = shown
+        pixels = self._pixels
+        if large:
+            dots = ui.pixel_scale
+            low = ((placed.low[0] - placed.origin[0]) * dots, (placed.low[1] - placed.origin[1]) * dots)
+            size = (max(int(placed.size[0] * dots), 1), max(int(placed.size[1] * dots), 1))
+            pixels = magnified(pixels, low, placed.scale * dots, size)
         height, width = pixels.shape[:2]
         device = ui.session.device
         with ui.session.device_frame():

@@ -13,7 +13,7 @@ from editor.code.variant_rows import VariantRow, source_lines, stages_of, varian
 from editor.flowing import flow_button
 from editor.panels.base import Panel
 from editor.ui import Ui
-from editor.widgets import em, empty_state, mono, text, tooltip
+from editor.widgets import em, empty_state, mono, pages, text, tooltip
 
 #: what is shown of the chosen variant, beside its stages
 WHY, GENERATED = "Why", "Generated"
@@ -85,8 +85,11 @@ class VariantsPanel(Panel):
         imgui.end_table()
 
     def _details(self, ui: Ui, library: Any, row: VariantRow) -> None:
-        if not imgui.begin_tab_bar("details"):
-            return
+        with pages("details") as shown:
+            if shown:
+                self._views_of(ui, library, row)
+
+    def _views_of(self, ui: Ui, library: Any, row: VariantRow) -> None:
         if self._views_key != (self._key, row.variant):
             stages = [stage.replace("_", " ").capitalize() for stage in stages_of(library, row.variant)]
             self._views_key, self._views = (self._key, row.variant), (WHY, *reversed(stages), GENERATED)
@@ -99,7 +102,6 @@ class VariantsPanel(Panel):
                     self._lines(ui, library, row, view.lower().replace(" ", "_"))
                 imgui.end_child()
                 imgui.end_tab_item()
-        imgui.end_tab_bar()
 
     def _lines(self, ui: Ui, library: Any, row: VariantRow, stage: str) -> None:
         """The flattened source; a click on a line opens the file it came from."""

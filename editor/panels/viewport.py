@@ -80,7 +80,7 @@ class ViewportPanel(Panel):
     def _picture(self, ui: Ui, width: float, height: float) -> None:
         session = ui.session
         origin = imgui.get_cursor_screen_pos()
-        self.area = (origin.x, origin.y, width, height)
+        self.area = ui.viewport_area = (origin.x, origin.y, width, height)
         ui.viewport_at = ui.drawn
         scale = ui.pixel_scale * session.image.resolution(session)
         size = round(width * scale), round(height * scale)

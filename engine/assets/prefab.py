@@ -124,16 +124,19 @@ def changed_fields(asset: SceneAsset, root: int, prefab: Sequence[NodeAsset]) ->
 def own_fields(node: NodeAsset, prefab: NodeAsset) -> list[str]:
     """The FIELDS in which `node` is other than its prefab has it, but for what tables round: turns are kept at unit
     length, lights in float32."""
-    return [field for field, names in FIELDS.items() if any(_differ(getattr(node, n), getattr(prefab, n)) for n in names)]
+    return [
+        field for field, names in FIELDS.items() if any(differ(getattr(node, n), getattr(prefab, n)) for n in names)
+    ]
 
 
-def _differ(a: Any, b: Any) -> bool:
+def differ(a: Any, b: Any) -> bool:
+    """Whether two values of a node do, by more than rounding."""
     if a == b:
         return False
     if is_dataclass(a) and type(a) is type(b):
-        return any(_differ(getattr(a, f.name), getattr(b, f.name)) for f in fields(a))
+        return any(differ(getattr(a, f.name), getattr(b, f.name)) for f in fields(a))
     if isinstance(a, (tuple, list)) and isinstance(b, (tuple, list)) and len(a) == len(b):
-        return any(_differ(x, y) for x, y in zip(a, b, strict=True))
+        return any(differ(x, y) for x, y in zip(a, b, strict=True))
     if isinstance(a, float | int) and isinstance(b, float | int) and not isinstance(a, bool):
         return not math.isclose(a, b, rel_tol=1e-7, abs_tol=1e-12)
     return True

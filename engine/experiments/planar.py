@@ -1,13 +1,15 @@
-"""Flat mirrors against a path tracer: pictures of several sizes, the screen's own reflections, and the environment alone.
+"""Flat mirrors against a path tracer: pictures of several sizes, the screen's own reflections, the environment alone.
 
 The floor is smooth, a little rough, and rougher. The truth has light of two surfaces, as a mirror's picture has: what
-it shows is lit by lamps and the sky.
+it shows is lit by lamps. Where a pixel does not show the floor, it is the truth's: nothing but mirrors is judged.
 """
 
 from __future__ import annotations
 
 from collections.abc import Generator, Sequence
 from typing import Any
+
+import numpy as np
 
 from engine.core.errors import LucarnaError
 from engine.experiments.gi import judge_picture, shown_floor
@@ -60,7 +62,7 @@ def prepare(ctx: Context) -> Generator[tuple[float, str], None, None]:
     """Path trace every scene."""
     from engine.experiments.truth import reference
     from engine.experiments.truth.path_tracer import Settings
-    from engine.experiments.truth.traced_scene import traced
+    from engine.experiments.truth.traced_scene import surface_seen, traced
 
     width, height, paths = size(ctx)
     for name in SCENES:
@@ -74,6 +76,10 @@ def prepare(ctx: Context) -> Generator[tuple[float, str], None, None]:
             ctx.scratch[name] = yield from reference.picture(
                 ctx, f"planar-{short(name)}", world, camera, width, height, Settings(paths, 2, seed=ctx.seed)
             )
+            met, surface = surface_seen(world, camera, width, height)
+            floor = np.zeros(width * height, np.bool_)
+            floor[met] = np.abs(surface.place[:, 1]) < 1e-4
+            ctx.scratch[name, "floor"] = floor[:, None]
         except LucarnaError as error:
             ctx.scratch[name] = error
         finally:
@@ -89,7 +95,9 @@ def run(ctx: Context, chosen: Knobs) -> Trial:
     label = f"{short(str(chosen['scene']))}: {chosen['method']}" if chosen["scale"] in (0.0, DEFAULT["scale"]) else ""
 
     def judge() -> Outcome:
-        return judge_picture(ctx, radiance(scene, seen), film.mean, label)
+        truth = film.mean.reshape(-1, 3)
+        mirrors = np.where(ctx.scratch[chosen["scene"], "floor"], radiance(scene, seen), truth)
+        return judge_picture(ctx, mirrors, film.mean, label)
 
     return redrawn(ctx, scene, seen, judge)
 
@@ -102,7 +110,7 @@ def tables(ctx: Context, points: Sequence[Point]) -> list[Table]:
             errors = (f"{p.error[name]:.3g}" for name in ("shown_rmse", "flip", "energy"))
             rows.append([short(str(p.knobs["scene"])), what, f"{p.ms.median:.3g}", *errors])
     heads = ["floor", "what it mirrors", "ms", "display rmse", "FLIP", "energy"]
-    return [Table("What a floor mirrors", heads, rows, "Whole frames and pictures: the floor is a part of them.")]
+    return [Table("What a floor mirrors", heads, rows, "Times of whole frames; errors over the picture, of the floor.")]
 
 
 EXPERIMENT = Experiment(

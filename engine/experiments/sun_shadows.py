@@ -172,7 +172,7 @@ def judge(ctx: Context, scene: OpenScene, chosen: Knobs, found: PixelTruth) -> O
 def map_bytes(ctx: Context, chosen: Knobs) -> int:
     """What the maps, and their moments where there are any, take on the device."""
     wanted = settings(chosen)
-    name = filter_for(str(wanted.shadow_filter), software=ctx.device is not None and ctx.device.caps.software)
+    name = filter_for(str(wanted.shadow_filter))
     texels = int(wanted.shadow_size) ** 2 * int(wanted.shadow_cascades)
     moments = COUNTS.get(name, 0) * 4
     return texels * 4 + texels * moments * 4 // 3 + int(wanted.shadow_size) ** 2 * moments

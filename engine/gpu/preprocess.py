@@ -27,6 +27,16 @@ _DIRECTIVE = re.compile(r"\s*#\s*(\w+)")
 _INCLUDE = re.compile(r'\s*#\s*include\s*"([^"]+)"\s*(//.*|/\*.*\*/\s*)?$')
 
 
+class Texts(dict[Path, str]):
+    """Contents by resolved path, see `flatten`, and what includes among them meant: the calls that share one see one
+    state of the disk."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.found: dict[tuple[tuple[Path, ...], Path | None, str], tuple[Path, Path] | None] = {}
+        self.resolved: dict[Path, Path] = {}
+
+
 @dataclass(slots=True)
 class _Flattening:
     """The text so far. `done`: files surely in it; `conditional`: files in it inside some #if, with a guard."""
@@ -40,8 +50,8 @@ class _Flattening:
     conditional: dict[Path, str] = field(default_factory=dict)
     texts: MutableMapping[Path, str] = field(default_factory=dict)
     includes: int = 0
-    #: (including folder, what it says) -> the file and its resolved path; the same few are asked for again and again
-    found: dict[tuple[Path | None, str], tuple[Path, Path] | None] = field(default_factory=dict)
+    #: (search, including folder, what it says) -> the file and its resolved path; the same few are asked for often
+    found: dict[tuple[tuple[Path, ...], Path | None, str], tuple[Path, Path] | None] = field(default_factory=dict)
     resolved: dict[Path, Path] = field(default_factory=dict)
 
     def resolve(self, path: Path) -> Path:
@@ -55,7 +65,7 @@ class _Flattening:
 
     def find(self, folder: Path | None, wanted: str) -> tuple[Path, Path] | None:
         """The file that `wanted` means, beside the including one or in `search`, and its resolved path."""
-        asked = (folder, wanted)
+        asked = (tuple(self.search), folder, wanted)
         if asked not in self.found:
             bases = ([folder] if folder is not None else []) + self.search
             path = next((base / wanted for base in bases if self.has(base / wanted)), None)
@@ -85,15 +95,19 @@ def flatten(
     `prelude`.
 
     `texts`: contents by resolved path. What is in it is not read from the disk; what is read is put into it. So several
-    calls see the same contents, and an older state can be flattened again after the files have changed.
+    calls see the same contents, and an older state can be flattened again after the files have changed. With a `Texts`
+    they also look for each file once.
 
     Raises ShaderError with file, line and column for a missing file (and what was meant), a cycle, a stray #version.
     """
     if stage not in STAGES:
         raise UsageError(f"unknown shader stage {stage!r}", hint=f"choose one of {', '.join(STAGES)}")
-    state = _Flattening(list(search), [folder.resolve() for folder in (*search, path.parent)])
+    state = _Flattening(list(search), [])
     if texts is not None:
         state.texts = texts
+    if isinstance(texts, Texts):
+        state.found, state.resolved = texts.found, texts.resolved
+    state.roots += [state.resolve(folder) for folder in (*search, path.parent)]
     head = [f"#define STAGE_{stage.upper()} 1"]
     head += [f"#define {name} {value}" for name, value in sorted((defines or {}).items())]
     for number, line in enumerate(head, 1):

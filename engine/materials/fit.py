@@ -79,8 +79,10 @@ def merged(base: MaterialAsset, mine: MaterialAsset, theirs: MaterialAsset) -> M
     for name in {*mine.params, *base.params}:
         changed_here = mine.params.get(name) != base.params.get(name)
         changed_there = theirs.params.get(name) != base.params.get(name)
-        if changed_here and not changed_there and name in mine.params:
-            params[name] = mine.params[name]
+        if changed_here and not changed_there:
+            params.pop(name, None)
+            if name in mine.params:
+                params[name] = mine.params[name]
     for slot in {*mine.textures, *base.textures}:
         here, before, there = mine.textures.get(slot), base.textures.get(slot), theirs.textures.get(slot)
         if here != before and there == before:

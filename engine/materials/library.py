@@ -10,6 +10,7 @@ from typing import Unpack
 
 from engine.core.errors import InputError, LucarnaError, ShaderError
 from engine.core.watched import Watched
+from engine.gpu.preprocess import Texts
 from engine.gpu.types import Device, Pipeline, VertexAttribute
 from engine.materials.effect import Effect, load_effect
 from engine.materials.features import FeatureSet
@@ -180,7 +181,7 @@ class EffectLibrary:
     def _new(self, device: Device, effect: Effect, request: VariantRequest) -> Variant:
         variant = self._described(device, effect, request)
         ahead = self._begun.pop((id(device), request), None)
-        outcome = self._compile(device, effect, request, self._texts.setdefault(effect.name, {}), ahead)
+        outcome = self._compile(device, effect, request, self._texts.setdefault(effect.name, Texts()), ahead)
         self._adopt(variant, outcome)
         return variant
 
@@ -256,7 +257,7 @@ class EffectLibrary:
             start = time.perf_counter()
             try:
                 effect = self.get(request.effect)
-                texts = self._texts.setdefault(effect.name, {})
+                texts = self._texts.setdefault(effect.name, Texts())
                 desc = describe(effect, self._with_prelude(request), self.search, texts=texts, caps=device.caps)
             except LucarnaError:
                 return True
@@ -345,7 +346,7 @@ class EffectLibrary:
 
     def _reload(self, name: str, further: Further | None) -> bool:
         old = self._effects[name]
-        texts: dict[Path, str] = {}
+        texts: dict[Path, str] = Texts()
         self.abandon()
         try:
             effect = load_effect(candidates(self.search).get(name, old.files[0]), search=self.search)

@@ -87,6 +87,9 @@ class DrawList:
         self.lamp_ids: Buffer = device.buffer(4, label="lamp caster ids")
         self.lamp_commands: Buffer = device.buffer(20, label="lamp caster commands")
         self.lamp_batches: list[list[Batch]] = []
+        self.lamp_tint_ids: Buffer = device.buffer(4, label="lamp tint ids")
+        self.lamp_tint_commands: Buffer = device.buffer(20, label="lamp tint commands")
+        self.lamp_tint_batches: list[list[Batch]] = []
         #: rises when the templates were built again
         self.built_rev = 0
         self._stencil: tuple[tuple[int, int], bool] = ((-1, -1), False)
@@ -354,6 +357,12 @@ class DrawList:
             masks, self._casters, self._caster_batches, self.lamp_ids, self.lamp_commands
         )
 
+    def update_lamp_tints(self, masks: NDArray[np.bool_]) -> None:
+        """As `update_tints`, for the tiles of local lights."""
+        self.lamp_tint_batches, self.lamp_tint_ids, self.lamp_tint_commands = self._fill_casters(
+            masks, self._tints, self._tint_batches, self.lamp_tint_ids, self.lamp_tint_commands
+        )
+
     def _fill_casters(
         self, masks: NDArray[np.bool_], template: Template, runs: list[tuple[int, int]], id_buffer: Buffer,
         command_buffer: Buffer,
@@ -377,7 +386,7 @@ class DrawList:
     def release(self) -> None:
         for buffer in (
             self.objects, self.ids, self.commands, self.caster_ids, self.caster_commands, self.lamp_ids,
-            self.lamp_commands, self.tint_ids, self.tint_commands,
+            self.lamp_commands, self.tint_ids, self.tint_commands, self.lamp_tint_ids, self.lamp_tint_commands,
         ):  # fmt: skip
             buffer.release()
 

@@ -42,6 +42,7 @@ class SceneFacts:
     planar: Planar = field(default_factory=Planar)  # flat surfaces that mirror the scene itself
     local_shadows: int = 0  # width of the map of local lights' shadows, texels; 0 where none casts
     soft_lamps: bool = False  # one of them has a size that softens its shadows
+    translucent_lamps: bool = False  # something blended tints the light of one of them, and the view wants it
     bloom: Bloom = field(default_factory=Bloom)
     auto_exposure: bool = False
     fxaa: bool = False
@@ -49,7 +50,7 @@ class SceneFacts:
     depth_of_field: bool = False
     taa: bool = False
     motion: bool = False  # something is gathered over frames, and wants to know where it was (engine/render/motion)
-    shadow_floor: bool = False  # a floor that only shadows are seen of, and something that throws them
+    shadow_floor: bool = False  # a floor that only shadows are seen of, and something that throws them or hides light
     depth_asked: bool = False  # depth before anything is shaded, whether something is made from it or not
     moving: bool = False  # a thing that is seen moved since the frame before, and the above
 
@@ -91,6 +92,7 @@ class SceneFacts:
             "LIGHT_PROFILES": int(self.light_profiles or self.force_all),
             "LOCAL_SHADOWS": int(self.local_shadows > 0 or self.force_all),
             "SOFT_LAMPS": int(self.soft_lamps or self.force_all),
+            "TRANSLUCENT_LAMPS": int(self.translucent_lamps or self.force_all),
             "SHADOW_FILTER": FILTERS.index(self.shadow_quality.filter),
             "SHADOW_HALF": int(self.shadow_quality.moments and self.shadow_quality.precision == "half"),
         }

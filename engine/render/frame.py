@@ -58,6 +58,7 @@ PLANAR_UNIT = 30
 PLANAR_REACH_UNIT = 31
 LOCAL_SHADOW_UNIT = 26
 LOCAL_DEPTH_UNIT = 15
+LOCAL_TINT_UNIT = 27
 BLOOM_UNIT = 26
 EXPOSURE_UNIT = 27
 
@@ -210,11 +211,14 @@ class RenderFrame:
         other: OtherRole | None = None,
     ) -> None:  # fmt: skip
         """Draw the depth of casters as `view_buffer` (a view block) sees them. `lamps`: `batches` are lamp_batches;
-        `other`: the role of a pass with pipelines of its own, which draws tint_batches."""
+        `other`: the role of a pass with pipelines of its own, which draws tint_batches, or with `lamps`
+        lamp_tint_batches."""
         draws = self.draws
         ids, commands = (draws.lamp_ids, draws.lamp_commands) if lamps else (draws.caster_ids, draws.caster_commands)
         if other is not None:
             ids, commands = draws.tint_ids, draws.tint_commands
+        if other is not None and lamps:
+            ids, commands = draws.lamp_tint_ids, draws.lamp_tint_commands
         role = other.role if other else "shadow"
         for batch in batches:
             state = batch.state

@@ -15,7 +15,7 @@ from engine.render.scene_rows import SceneRows
 from engine.render.settings import LIT_LOOK, ON_BLACK
 from engine.render.shadows.floor import floor_wanted
 from engine.render.shadows.quality import ShadowQuality, filter_for
-from engine.render.temporal import taa_wanted
+from engine.render.temporal import follows, taa_wanted
 from engine.render.view import View
 from engine.scene.scene import Scene
 
@@ -46,7 +46,7 @@ def facts_of(
         ambient_occlusion=(
             hidden := occlusion_of(settings, lit=lit, solid=draws.has_solid, live=view.seconds is not None)
         ),
-        indirect=(light := indirect_of(settings, solid=draws.has_solid, lit=lit, live=view.seconds is not None)),
+        indirect=(light := indirect_of(settings, solid=draws.has_solid, lit=lit, live=follows(view))),
         planar=planar_of(settings, rows.mirrors.planes.count),
         auto_exposure=settings.auto_exposure and settings.shading_view in LIT_LOOK,
         taa=(taa := taa_wanted(view, caps)),
@@ -58,12 +58,13 @@ def facts_of(
         sun_shadows=sun_shadows,
         translucent_shadows=sun_shadows and rows.translucent_shadows(scene, view),
         local_shadows=(lamp_shadows := rows.lamp_shadows(scene, view)),
-        shadow_floor=floor_wanted(settings) and (sun_shadows or lamp_shadows > 0),
+        shadow_floor=floor_wanted(settings) and (sun_shadows or lamp_shadows > 0 or hidden.wanted),
         soft_lamps=rows.local_shadows.soft,
+        translucent_lamps=lamp_shadows > 0 and rows.translucent_shadows(scene, view),
         # these views are of what would be hidden
         depth_asked=settings.depth_first and draws.has_solid and settings.shading_view not in ("wireframe", "overdraw"),
         shadow_quality=ShadowQuality(
-            filter_for(settings.shadow_filter, software=caps.software),
+            filter_for(settings.shadow_filter),
             settings.shadow_cascades,
             settings.shadow_size,
             str(settings.shadow_precision),

@@ -165,6 +165,7 @@ class Renderer:
         settled = not frame.facts.auto_exposure or frame.exposure.settled
         settled = settled and not (frame.facts.taa and frame.motion.frozen < 2 * view.settings.taa_frames)
         settled = settled and not (frame.facts.ambient_occlusion.temporal and frame.motion.frozen < RESTING)
+        settled = settled and frame.motion.frozen >= frame.facts.indirect.rests_after
         return Frame(
             graph.texture("color"), hdr_texture, stats, graph, frame.facts, numbers, self.path, legend, settled
         )

@@ -92,18 +92,24 @@ class SceneRows:
         return shown
 
     def translucent_shadows(self, scene: Scene, view: View) -> bool:
-        """Whether the view wants blended casters to tint the sun's light, and the scene has any."""
+        """Whether the view wants blended casters to tint light, and the scene has any."""
         return bool(view.settings.translucent_shadows) and bool((self.draws.tinting & scene.instances.drawn).any())
 
     def lamp_shadows(self, scene: Scene, view: View) -> int:
         """The width of the map of local lights' shadows, 0 where none casts; its tiles and casters are up to date."""
         draws, drawn, shadows = self.draws, scene.instances.drawn, self.local_shadows
+        casting, look = draws.casting & drawn, self._look_of_casters(view)
+        tinted = self.translucent_shadows(scene, view)
+        if tinted:
+            casting, look = casting | (draws.tinting & drawn), (*look, "tints")
         if shadows.update(
-            scene, view, self.lights.world, draws.casting & drawn,
+            scene, view, self.lights.world, casting,
             receiving=floor_wanted(view.settings) or bool((draws.receiving & drawn).any()),
-            state=self._look_of_casters(view),
+            state=look,
         ):  # fmt: skip
             draws.update_lamp_casters(shadows.casters)
+            if tinted:
+                draws.update_lamp_tints(shadows.casters)
         return shadows.atlas
 
     def _floor(self, scene: Scene, view: View) -> float | None:

@@ -78,9 +78,13 @@ class RenderSettings(ParamBlock):
         doc="with samples = 1. fxaa, smaa: smooth edges of the finished picture (smaa keeps more of what is no edge);"
         " taa: the mean of frames that look elsewhere in each pixel",
     )  # fmt: skip
+    smaa_patterns: str = param(
+        "all", choices=("all", "lines"),
+        doc="smaa: all: slanted lines near 45 degrees as such, and corners stay sharp; lines: each step by itself",
+    )  # fmt: skip
     taa_frames: int = param(16, min=1, max=64, doc="taa: places in a pixel that are looked at, one a frame")
     taa_part: float = param(
-        0.15,
+        0.2,
         min=0.01,
         max=1.0,
         step=0.01,
@@ -92,7 +96,7 @@ class RenderSettings(ParamBlock):
     )  # fmt: skip
     taa_thin: float = param(
         1.0, min=0.0, max=8.0, step=0.1,
-        doc="taa: how much what changes from frame to frame in one place is kept: thin lines stay, slow edges drag more",
+        doc="taa: how much more is kept of what is missed now and then, as lines thinner than a pixel are; 0 = nothing",
     )  # fmt: skip
     taa_sharpness: float = param(0.0, min=0.0, max=2.0, step=0.05, doc="taa: how much edges are steepened")
     alpha_to_coverage: bool = param(True, doc="smooth edges of cut-outs, where a pixel has several samples")
@@ -158,21 +162,21 @@ class RenderSettings(ParamBlock):
     local_shadow_lights: int = param(32, min=0, max=256, doc="most lights with shadows, by brightness and nearness")
     shadow_floor: float = param(
         0.0, min=0.0, max=1.0, step=0.01,
-        doc="a floor at the scene's lowest point that only shadows are seen of: how dark they are; 0 = no floor",
+        doc="a floor at the scene's lowest point that only shadows (and ambient occlusion) are seen of: how dark they are; 0 = no floor",
     )  # fmt: skip
     shadow_floor_offset: float = param(
         0.0, min=-1e6, max=1e6, step=0.01, unit="m", doc="raises that floor over the lowest point, or sinks it"
     )
     ambient_occlusion: str = param(
         "off", choices=METHOD_CHOICES,
-        doc="hides environment light in corners; gtao: horizons, unbiased; hbao, alchemy: older estimates",
+        doc="hides environment light in corners; gtao: slices, what stands free hides itself alone; hbao, alchemy: older estimates",
     )  # fmt: skip
     ao_radius: float = param(0.0, min=0.0, max=1e6, step=0.01, unit="m", doc="how far things hide; 0 = by the scene")
     ao_strength: float = param(1.0, min=0.0, max=1.0, step=0.01, doc="0 none, 1 as much as is hidden")
     ao_thickness: float = param(
-        0.2, min=0.0, max=4.0, step=0.01, doc="how thick things are taken to be behind what is seen, in radii"
+        0.3, min=0.0, max=4.0, step=0.01, doc="how thick things are taken to be behind what is seen, in radii"
     )
-    ao_directions: int = param(2, min=1, max=16, doc="slices through each pixel (gtao, hbao)")
+    ao_directions: int = param(1, min=1, max=16, doc="slices through each pixel (gtao, hbao)")
     ao_steps: int = param(8, min=1, max=64, doc="places on each side of a slice; alchemy: places in all")
     ao_bent: bool = param(True, doc="take environment light from where it is open, not from the normal (gtao)")
     ao_bounces: bool = param(

@@ -32,10 +32,21 @@ def shift_of(view: View, motion: FrameMotion, caps: Caps) -> tuple[float, float]
     return view.shift[0] + x, view.shift[1] + y
 
 
+#: first part of the key of a run that is made for one picture
+RUN = "gathered"
+
+
+def follows(view: View) -> bool:
+    """Whether its pictures follow one another on and on: what comes to rest after many frames has the time for it. A
+    run that is made for one picture is short, so each of its frames has all of its light by itself."""
+    alone = isinstance(view.key, tuple) and view.key[:1] == (RUN,)
+    return view.seconds is not None and not alone
+
+
 def gathered(view: View, caps: Caps) -> list[View]:
     """The frames to make for one picture that depends on nothing but the scene: the view itself, or for TAA a run of
     `taa_frames` that begins with a cut, with time standing still."""
     if view.seconds is not None or not taa_wanted(view, caps):
         return [view]
-    key = ("gathered", view.key)  # what a window gathers goes on as it was
+    key = (RUN, view.key)  # what a window gathers goes on as it was
     return [replace(view, seconds=0.0, key=key, cut=index == 0) for index in range(int(view.settings.taa_frames))]

@@ -12,7 +12,7 @@ from engine.assets.environment_dds import read_environment
 from engine.assets.texture import TextureAsset
 from engine.core.paths import shaders_dir
 from engine.gpu.types import Device, Sampler, SamplerDesc, Texture, TextureDesc
-from engine.resources.unpack import DECODED_FORMATS, unpacked
+from engine.resources.unpack import DECODED_FORMATS, unpacked_once
 
 #: Y_00, the constant spherical harmonic: a constant c projects to c / Y_00
 Y00 = 0.28209479177387814
@@ -24,7 +24,7 @@ class EnvironmentMap:
 
     def __init__(self, device: Device, cube: TextureAsset, sh9: NDArray[np.floating]) -> None:
         if device.caps.software and cube.format in DECODED_FORMATS:
-            cube = unpacked(device, cube)
+            cube = unpacked_once(device, cube)
         self.mips = cube.mip_count
         self.irradiance_sh = np.zeros((9, 4), np.float32)
         self.irradiance_sh[:, :3] = sh9

@@ -6,6 +6,7 @@ rest still loads.
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Iterable, Mapping
 from copy import deepcopy
 from dataclasses import dataclass
@@ -207,6 +208,15 @@ class Residency:
         base = self._as_read.get(material)
         asset = merged(base, self.materials.records[material].said, theirs) if base else deepcopy(theirs)
         return Reread(path, material, asset, effect, theirs)
+
+    def saved_elsewhere(self, written: Iterable[Path]) -> None:
+        """Files were written by who shows another state of the same scene: what they say is known now, and what is
+        shown here stays as it is, also when they are read again."""
+        files = {path.resolve() for path in written}
+        for path, material in self._material_files.items():
+            if self._as_read.get(material) is not None and (path in files or self._parents[path] & files):
+                with contextlib.suppress(InputError):  # reading it again tells
+                    self._as_read[material] = read_material(path)
 
     def reread_textures(self) -> list[Path]:
         """Show the pixels of texture files that changed on disk, or came; returns those taken over."""

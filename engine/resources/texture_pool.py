@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from engine.assets.texture import TextureAsset
 from engine.gpu.formats import texture_bytes
 from engine.gpu.types import Device, Texture, TextureDesc
-from engine.resources.unpack import DECODED_FORMATS, unpacked
+from engine.resources.unpack import DECODED_FORMATS, unpacked_once
 
 #: A software rasteriser unpacks a texel once in about 55 ns; a pixel that samples blocks costs it about 5 us more than
 #: one that does not (both measured on llvmpipe). So this many texels per drawn pixel are worth unpacking, half of the
@@ -82,7 +82,7 @@ class TexturePool:
         """Upload the first layer of a 2D texture with all its mips."""
         key = self._key(asset)
         if key[0] != asset.format:
-            asset = unpacked(self._device, asset)
+            asset = unpacked_once(self._device, asset)
         index = next((i for i, entry in enumerate(self._arrays) if entry.key == key and entry.free), -1)
         if index < 0:
             index = self._room(key, 1)
@@ -101,7 +101,7 @@ class TexturePool:
             self._bytes -= entry.texture_bytes
             entry.free.append(old.layer)
             return self.add(asset)
-        self._write(old.array, old.layer, unpacked(self._device, asset) if key[0] != asset.format else asset)
+        self._write(old.array, old.layer, unpacked_once(self._device, asset) if key[0] != asset.format else asset)
         return old
 
     def own(self, texture: Texture) -> int:

@@ -103,7 +103,7 @@ def scene_asset(scene: Scene, base: SceneAsset | None) -> SceneAsset:
 
 
 def node_assets(scene: Scene, rows: Collection[int]) -> dict[int, NodeAsset]:
-    """Some nodes as `scene_asset` writes them, by row, but without parents, joints and clip numbers, which count nodes."""
+    """Some nodes as `scene_asset` writes them, by row; without parents, joints and clip numbers, which count nodes."""
     nodes = {row: replace(_node_asset(scene, row, {}, {}), joints=[]) for row in rows}
     for table in (scene.lights, scene.cameras):
         for at in table.alive_rows().tolist():

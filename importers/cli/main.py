@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from typing import NoReturn
 
 from engine.core.errors import LucarnaError, UsageError
+from importers.cli.interrupted import put_back
 
 #: name -> (module, summary). Order = order in the help.
 COMMANDS: dict[str, tuple[str, str]] = {
@@ -105,6 +106,7 @@ def _run(words: list[str]) -> int:
         missing = error.name or module_name
         hint = "install Lucarna with its dependencies" if missing != module_name else "this build comes without it"
         raise LucarnaError(f"`lucarna {name}` cannot start: the module {missing} is missing", hint=hint) from error
+    put_back(words[1:])
     parser = _Parser(prog=f"lucarna {name}", description=summary[0].upper() + summary[1:] + ".")
     module.add_arguments(parser)
     try:

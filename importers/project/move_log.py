@@ -12,7 +12,7 @@ from __future__ import annotations
 import base64
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from engine.core.atomic import write_bytes, write_text
@@ -90,6 +90,11 @@ def recover_around(path: Path) -> list[str]:
     """`recover` for `path` and every folder that it lies in: where a project begins is not asked for."""
     start = Path(path).absolute()
     return [name for place in (start, *start.parents) for name in recover(place)]
+
+
+def told(names: Sequence[str]) -> str:
+    """What `recover` did, in words."""
+    return f"an interrupted move was put back: {', '.join(names)}" if names else "an interrupted move had moved nothing"
 
 
 def _text(data: bytes) -> str:

@@ -14,7 +14,12 @@ vec3 light_share(uint i, vec3 p, Reflector r, uvec2 pixel)
     vec3 share = light_contribution(i, p, r);
 #if LOCAL_SHADOWS
     // what brings nothing needs no look
-    if (share.x + share.y + share.z > 0.0) share *= local_visibility(i, p, r.n, pixel);
+    if (share.x + share.y + share.z > 0.0) {
+        share *= local_visibility(i, p, r.n, pixel);
+#if TRANSLUCENT_LAMPS
+        share *= local_tint(i, p, r.n, pixel);
+#endif
+    }
 #endif
     return sanitise(share);
 }

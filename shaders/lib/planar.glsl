@@ -4,7 +4,7 @@ layout(binding = 30) uniform sampler2DArray t_planar;        // premultiplied by
 layout(binding = 31) uniform sampler2DArray t_planar_reach;  // depth, 0 where there is nothing
 
 // Deviation of a rough mirror's lobe, in radians, of alpha (measured: engine/experiments/planar.py)
-const float PLANAR_SPREAD = 1.0;
+const float PLANAR_SPREAD = 1.5;
 // Deviation of what four taps between the texels of a mip show: of a box, of both tents, of the taps
 const float PLANAR_TEXEL = 0.7;
 

@@ -88,12 +88,19 @@ float shadow_moments(int i, vec3 p, vec3 n, vec3 f, float depth)
     ShadowReceiver r = receiver(i, p, n, f, 0.0);
     float sine = max(length(f.xy), length(n.xy));
     float slope = sine / max(sqrt(max(1.0 - sine * sine, 0.0)), 1e-4);
-    // the mean depth around a point of a plane is its own, whatever the blur
-    r.at = p + (n * (SHADOW_LIFT * sine) + vec3(0.0, 0.0, SHADOW_CONSTANT)) * texel;
+    // the mean depth around a point of a plane is its own, whatever the blur; evsm4's second warp bends it a little
+    float lift = SHADOW_LIFT;
+    float up = SHADOW_CONSTANT;
 #if SHADOW_FILTER == 12
-    // but over a slope, the surface's own blurred depths darken what is less than their deviation before their mean
-    r.at.z += texel * max(0.55 * view.shadow.y, 0.3 * exp2(level)) * min(slope, SHADOW_STEEPEST);
+    // over a slope, the surface's own blurred depths darken what is less than their deviation before their mean
+    float reach = max(0.55 * view.shadow.y + 0.3, SHADOW_FOOTPRINT * exp2(level));
+    float followed = min(1.0, SHADOW_STEEPEST / max(slope, 1e-4));
+    up += min(reach, 0.55 * view.shadow.y + 0.3 * exp2(level)) * slope * followed;
+    lift += reach * (1.0 - followed);
+#elif SHADOW_FILTER == 11
+    lift += SHADOW_LIFT + SHADOW_FOOTPRINT * max(1.0, 0.3 * view.shadow.y) * max(1.0 - 4.0 / max(slope, 1e-4), 0.0);
 #endif
+    r.at = p + (n * (lift * sine) + vec3(0.0, 0.0, up)) * texel;
     vec4 m = textureLod(t_sun_moments, shadow_uv(r, vec2(0.0)), level);
     float t = 1.0 - 2.0 * clamp(shadow_depth(r, vec2(0.0)), 0.0, 1.0);
     float width = 2.0 * texel * r.depth.y;
@@ -258,12 +265,13 @@ vec2 shadow_texels(vec3 p)
     return vec2(1.0 / view.shadow_cascades[2 * i].w, 0.75 + 0.25 * mod(cell.x + cell.y, 2.0));
 }
 
-// Which cascade a point reads, as a colour; grey where none.
+// Which cascade a point reads, as a colour; grey where none. After Okabe and Ito 2008, "Color Universal Design".
 vec3 cascade_tint(vec3 p)
 {
     float edge;
     int i = cascade_of(light_space(p), 0, edge);
     if (i < 0) return vec3(0.5);
-    vec3 tints[4] = vec3[4](vec3(1.0, 0.35, 0.3), vec3(0.4, 0.9, 0.35), vec3(0.35, 0.5, 1.0), vec3(1.0, 0.85, 0.3));
+    vec3 tints[4] = vec3[4](
+        vec3(0.86, 0.15, 0.01), vec3(0.01, 0.44, 0.22), vec3(0.11, 0.55, 0.98), vec3(0.96, 0.85, 0.06));
     return mix(tints[i & 3], tints[(i + 1) & 3], edge);
 }

@@ -14,11 +14,12 @@ vec3 joint_color(uint joint)
     return mix(vec3(0.5), rgb, 0.85) * (0.55 + 0.2 * float(joint % 3u));
 }
 
+// Told apart by those who do not tell red from green, too: colours of Okabe and Ito 2008, "Color Universal Design".
 vec3 count_color(int count)
 {
-    if (count <= 1) return vec3(0.10, 0.25, 0.80);
-    if (count == 2) return vec3(0.10, 0.60, 0.20);
-    if (count == 3) return vec3(0.80, 0.65, 0.10);
-    if (count == 4) return vec3(0.80, 0.15, 0.08);
-    return vec3(0.60, 0.10, 0.70);
+    if (count <= 1) return vec3(0.0, 0.168, 0.445);
+    if (count == 2) return vec3(0.0, 0.342, 0.171);
+    if (count == 3) return vec3(0.871, 0.775, 0.054);
+    if (count == 4) return vec3(0.665, 0.112, 0.0);
+    return vec3(0.604, 0.191, 0.386);
 }

@@ -32,3 +32,23 @@ vec2 smaa_area(vec2 first, vec2 last, float length, float at)
     float middle = 0.5 * length;
     return area_of_line(0.0, h0, middle, 0.0, at) + area_of_line(middle, 0.0, length, h1, at);
 }
+
+// edges of a stair that is taken for a slanted line: below that its steps are as well lines of their own
+const float SHORTEST = 4.0;
+
+// The same for a stair: edges of one pixel, along and across by turns, `length` of them, of which the one in question is
+// number `at`. The line goes through their middles, at 45 degrees; where a stair ends because an edge goes on, the next
+// stair is off by a pixel along it, and the line goes half of that: `first`, `last` in [-1, 1]. Off by h pixels along the
+// edge, the line cuts a right triangle from the pixel at each corner, with sides of 1/2 - h on one side and 1/2 + h on the
+// other.
+vec2 smaa_stair(float first, float last, float length, float at)
+{
+    float h0 = 0.5 * first;
+    float h1 = 0.5 * last;
+    vec2 t = vec2(at, at + 1.0) / length;
+    vec2 h;
+    if (h0 * h1 < 0.0) h = mix(vec2(h0), vec2(h1), t);
+    else h = mix(h0 * max(1.0 - 2.0 * t, 0.0), h1 * max(2.0 * t - 1.0, 0.0), step(0.5, t));
+    vec2 sides = vec2(0.5 + h.x, 0.5 - h.y);
+    return 0.5 * sides * sides;
+}

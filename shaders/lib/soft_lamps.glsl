@@ -4,6 +4,9 @@
 //   search: the mean (1 - b) / b of what is met there, where some point of the light is hidden by it
 //   then:   lookups towards q + s times that mean, over the receiver's plane
 layout(binding = 15) uniform sampler2D t_local_depth;
+#if TRANSLUCENT_LAMPS
+layout(binding = 27) uniform sampler2D t_local_tint;
+#endif
 
 const int SOFT_SEARCH = 20;
 const int SOFT_TAPS = 16;
@@ -16,11 +19,12 @@ struct LampTap {
     float depth;
     float near;
     float texel;  // metres per metre of depth
+    float far;
 };
 
 LampTap lamp_tap(vec4 head, vec3 w)
 {
-    uint at = uint(head.x) + (head.y > 1.5 ? 4u * cube_face(w) : 0u);
+    uint at = uint(head.x) + (head.y > 1.5 ? LOCAL_ROWS * cube_face(w) : 0u);
     vec4 right = local_shadows[at];
     vec4 up = local_shadows[at + 1u];
     vec4 forward = local_shadows[at + 2u];
@@ -29,7 +33,8 @@ LampTap lamp_tap(vec4 head, vec3 w)
     vec2 ndc = vec2(dot(w, right.xyz), dot(w, up.xyz)) / (depth * forward.w);
     vec2 middle = vec2(right.w, up.w);
     float inside = square.x - 0.5 * square.w;
-    return LampTap(clamp(middle + vec2(ndc.x, -ndc.y) * square.x, middle - inside, middle + inside), depth, square.z, square.y);
+    return LampTap(clamp(middle + vec2(ndc.x, -ndc.y) * square.x, middle - inside, middle + inside), depth, square.z, square.y,
+                   local_shadows[at + 4u].x);
 }
 
 // Point k of the light from its middle: disks and balls by Vogel's spiral; rectangles by Roberts 2018, "The unreasonable
@@ -69,40 +74,69 @@ float plane_along(vec3 n, vec3 q, vec3 w)
     return own / min(dot(n, w), own);
 }
 
-// As local_visibility; q: from the light to the point, n: towards the light.
-float soft_visibility(uint i, vec4 head, vec3 q, vec3 n, uvec2 pixel)
+// Along w, how far away what a tap meets is: what casts or, `tinted`, what is nearest of what tints.
+float lamp_met(LampTap tap, bool tinted)
 {
-    Light light = lights[i];
-    float turn = pixel_turn(pixel);
-    LampTap own = lamp_tap(head, q);
-    if (!(dot(q, q) > 0.0)) return 1.0;
-    // off the surface, as far as one lookup reaches
-    float sine = sqrt(max(1.0 - dot(n, q) * dot(n, q) / dot(q, q), 0.0));
-    q += n * (own.texel * own.depth * LOCAL_FOOTPRINT * max(sine, LOCAL_LEAST_SINE));
-    if (dot(n, q) > -1e-6 * length(q)) return 1.0;
+#if TRANSLUCENT_LAMPS
+    if (tinted) return tap.far / max(textureLod(t_local_tint, tap.uv, 0.0).a, 1e-30);
+#endif
+    return tap.near / max(textureLod(t_local_depth, tap.uv, 0.0).r, 1e-30);
+}
 
+// q: from the light to the point, lifted off its surface; n: towards the light. Mean (1 - b) / b of what is met; negative
+// where nothing is.
+float soft_spread(Light light, vec4 head, vec3 q, vec3 n, float turn, bool tinted)
+{
     float sum = 0.0;
     float found = 0.0;
     for (int k = 0; k < SOFT_SEARCH; ++k) {
         float part;
         vec3 w = q + SOFT_REACH * lamp_point(light, q, search_sample(light, k, turn, part));
         LampTap tap = lamp_tap(head, w);
-        float met = tap.near / max(textureLod(t_local_depth, tap.uv, 0.0).r, 1e-30);
-        float b = met / (tap.depth * plane_along(n, q, w));
+        float b = lamp_met(tap, tinted) / (tap.depth * plane_along(n, q, w));
         float spread = (1.0 - b) / max(b, 1e-6);
         if (b < 1.0 - SOFT_SLACK && spread >= SOFT_REACH * part) {
             sum += min(spread, SOFT_REACH);
             found += 1.0;
         }
     }
-    if (found < 0.5) return 1.0;
-    float spread = sum / found;
+    return found < 0.5 ? -1.0 : sum / found;
+}
+
+// Off the surface, as far as one lookup reaches; false where nothing can hide the point.
+bool soft_lifted(vec4 head, vec3 n, inout vec3 q)
+{
+    LampTap own = lamp_tap(head, q);
+    if (!(dot(q, q) > 0.0)) return false;
+    float sine = sqrt(max(1.0 - dot(n, q) * dot(n, q) / dot(q, q), 0.0));
+    q += n * (own.texel * own.depth * LOCAL_FOOTPRINT * max(sine, LOCAL_LEAST_SINE));
+    return !(dot(n, q) > -1e-6 * length(q));
+}
+
+// How far along its tile's axis a tap on the receiver's plane is, less what keeps it from hiding itself.
+float soft_depth(LampTap tap, vec3 n, vec3 q, vec3 w)
+{
+    return tap.depth * (plane_along(n, q, w) * (1.0 - SOFT_SLACK) - LOCAL_CONSTANT * tap.texel);
+}
+
+// As local_visibility; q: from the light to the point, n: towards the light.
+float soft_visibility(uint i, vec4 head, vec3 q, vec3 n, uvec2 pixel)
+{
+    Light light = lights[i];
+    float turn = pixel_turn(pixel);
+    if (!soft_lifted(head, n, q)) return 1.0;
+    float spread = soft_spread(light, head, q, n, turn, false);
+    if (spread < 0.0) return 1.0;
     float lit = 0.0;
     for (int k = 0; k < SOFT_TAPS; ++k) {
         vec3 w = q + spread * lamp_point(light, q, lamp_sample(light, k, turn + 1.0));
         LampTap tap = lamp_tap(head, w);
-        float depth = tap.depth * (plane_along(n, q, w) * (1.0 - SOFT_SLACK) - LOCAL_CONSTANT * tap.texel);
-        lit += textureLod(t_local_shadow, vec3(tap.uv, tap.near / max(depth, tap.near)), 0.0);
+        float along = tap.near / max(soft_depth(tap, n, q, w), tap.near);
+#if LOCAL_MOMENTS
+        lit += along >= textureLod(t_local_depth, tap.uv, 0.0).r ? 1.0 : 0.0;
+#else
+        lit += textureLod(t_local_shadow, vec3(tap.uv, along), 0.0);
+#endif
     }
     return lit / float(SOFT_TAPS);
 }

@@ -5,10 +5,11 @@
 //           eq. 10, with our fall-off in place of 1/d, on a spiral (McGuire, Mara, Luebke 2012, eq. 7; Vogel 1979)
 // METHOD 1  horizons: Bavoil, Sainz, Dimitrov 2008, "Image-Space Horizon-Based Ambient Occlusion", eq. 3; weighted by
 //           the cosine as light is, so with the squares of the sines, and measured from the tangent plane
-// METHOD 2  ground truth: Jimenez, Wu, Pesce, Jarabo 2016, "Practical Realtime Strategies for Accurate Indirect
-//           Occlusion", eq. 7 to 9; the horizon sinks with distance step by step, not as a whole, which
-//           left a wall of infinite height half as dark as it is (0.25 for 0.40 at half the radius)
-#include "lib/surface_from_depth.glsl"
+// METHOD 2  ground truth: the hemisphere in slices (lib/slices.glsl) weighted as in Jimenez, Wu, Pesce, Jarabo 2016,
+//           "Practical Realtime Strategies for Accurate Indirect Occlusion", eq. 7. A place hides the sectors between its
+//           front and its back, and not all below it: else a bar half a metre before a wall leaves 0.65 of the light
+//           beside it in the place of 0.93
+#include "lib/ambient_surface.glsl"
 #include "lib/ambient_texels.glsl"
 #include "lib/pixel_pattern.glsl"
 #include "lib/slices.glsl"
@@ -186,7 +187,7 @@ vec4 ground_truth(ivec2 own, vec3 p, vec3 n, float reach, float turn, float shif
         float angle = (float(i) + turn) * PI / float(DIRECTIONS);
         Slice s = slice_at(v, n, first, second, angle, fract(shift + float(i) * 0.618034));
         vec2 towards = picture_direction(p, s.side);
-        vec3 open = vec3(0.0, 0.0, s.size * (s.high - s.low));
+        vec3 open = vec3(0.0, 0.0, 1.0);  // the mean of all slices, so that nothing hidden is exactly that
 #if BENT
         open.xy = s.size * (direction_to(s.gamma + 0.5 * PI, s.gamma) + direction_to(s.gamma - 0.5 * PI, s.gamma));
 #endif
@@ -203,12 +204,12 @@ void main()
     ivec2 texel = ivec2(gl_GlobalInvocationID.xy);
     ivec2 own = texel * STRIDE;
     if (own.x >= int(view.size.x) || own.y >= int(view.size.y)) return;
-    float depth = depth_at(own);
+    float depth = surface_depth(own);
     vec4 visible = vec4(0.0, 0.0, 0.0, 1.0);  // the mean open direction, not of length 1; how much is open
     vec3 offset = vec3(0.0);
     if (depth > 0.0 && ao.strength > 0.0) {
         vec3 p = place_at(own, depth);
-        vec3 n = facet_normal(own, p, depth);
+        vec3 n = surface_normal(own, p, depth);
         float pixels = ao.radius * pixels_per_metre(view_depth(p));
         float reach = min(pixels, view.size.y);
         if (reach > 1.0) {

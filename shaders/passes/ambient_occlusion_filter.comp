@@ -1,6 +1,6 @@
 // Averages the visibility over the period of its pattern, on the same surface only, and brings it to full size: a joint
 // bilateral filter (Petschnigg et al. 2004; Kopf et al. 2007) whose second distance is that from the pixel's own plane.
-#include "lib/surface_from_depth.glsl"
+#include "lib/ambient_surface.glsl"
 #include "lib/ambient_texels.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -11,13 +11,13 @@ void main()
 {
     ivec2 own = ivec2(gl_GlobalInvocationID.xy);
     if (own.x >= int(view.size.x) || own.y >= int(view.size.y)) return;
-    float depth = depth_at(own);
+    float depth = surface_depth(own);
     vec4 filtered = vec4(0.0, 0.0, 0.0, 1.0);
     if (depth > 0.0) {
         ivec2 middle = own / STRIDE;
         ivec2 last = textureSize(t_visibility, 0) - 1;
         vec3 p = place_at(own, depth);
-        vec3 n = facet_normal(own, p, depth);
+        vec3 n = surface_normal(own, p, depth);
         float d = view_depth(p);
         // as far off its plane as a surface may be: a part of the radius, or of a pixel where that is more
         float slack = max(0.05 * ao.radius, 0.5 / pixels_per_metre(d));
@@ -27,7 +27,7 @@ void main()
             for (int x = -2; x <= 2; ++x) {
                 ivec2 texel = middle + ivec2(x, y);
                 if (any(lessThan(texel, ivec2(0))) || any(greaterThan(texel, last))) continue;
-                float other = depth_at(texel * STRIDE);
+                float other = surface_depth(texel * STRIDE);
                 if (!(other > 0.0)) continue;
                 float off = abs(dot(place_at(texel * STRIDE, other) - p, n));
                 // the outer rows count half: the window is one period wide

@@ -2,7 +2,7 @@
 // lies in the pixel's own plane, as the filter has it, so that nothing is taken over from what hid it; and while anything
 // changes it is held to the range of what is around (Salvi 2016, "An Excursion in Temporal Supersampling"), so that the
 // darkness of a thing that went away goes with it. While nothing changes it is the plain mean.
-#include "lib/surface_from_depth.glsl"
+#include "lib/ambient_surface.glsl"
 #include "lib/motion.glsl"
 #include "lib/ambient_texels.glsl"
 
@@ -54,7 +54,7 @@ void main()
     ivec2 size = textureSize(t_visibility, 0);
     if (any(greaterThanEqual(texel, size))) return;
     ivec2 own = texel * STRIDE;
-    float depth = depth_at(own);
+    float depth = surface_depth(own);
     vec4 now = now_at(texel);
     float frames = 1.0;
     vec2 state;
@@ -64,16 +64,16 @@ void main()
         frames = seen ? min(state.y + 1.0, ao.most) : 1.0;
         if (seen) now = mix(before, now, 1.0 / frames);
     } else if (depth > 0.0 && ao.known > 0.5) {
-        vec2 moved = texelFetch(t_motion, own, 0).rg;
-        vec2 at = vec2(texel) - moved / float(STRIDE);
         vec2 pixel = vec2(own) + 0.5 - ao.jitter;
         vec2 ndc = vec2(pixel.x * 2.0 * view.size.z - 1.0, 1.0 - pixel.y * 2.0 * view.size.w);
         vec4 clip = ao.before_from_now * vec4(ndc, depth, 1.0);
+        vec2 moved = is_floor(own, depth) ? pixels_moved(ndc, clip) : texelFetch(t_motion, own, 0).rg;
+        vec2 at = vec2(texel) - moved / float(STRIDE);
         // where it moved itself its plane then is not known, and its depth has to do
         bool itself = length(pixels_moved(ndc, clip) - moved) > MOVED;
         float expected = clip.z / max(clip.w, 1e-30);
         vec3 p = place_at(own, depth);
-        vec3 n = facet_normal(own, p, depth);
+        vec3 n = surface_normal(own, p, depth);
         float slack = max(0.05 * ao.radius, 1.0 / pixels_per_metre(view_depth(p)));
         ivec2 corner = ivec2(floor(at));
         vec4 sum = vec4(0.0);

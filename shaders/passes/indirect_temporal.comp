@@ -1,6 +1,7 @@
 // Mixes what was gathered with what the frames before had at the same place, and follows what moved itself (Mara et al.
 // 2016, sect. 4.5), with what is kept held to the range of its neighbours now (Karis 2014, "High Quality Temporal
-// Supersampling"), so that a light that goes out is gone at once.
+// Supersampling"), so that a light that goes out is gone at once; where nothing
+// changed for a while it is the plain mean.
 #include "lib/deep_layers.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -9,7 +10,7 @@ layout(binding = 17) uniform sampler2D t_depths;
 layout(binding = 18) uniform sampler2D t_before;
 layout(binding = 19) uniform sampler2D t_before_state;
 layout(binding = 20) uniform sampler2D t_motion;  // of the view's pixels
-layout(binding = 1, rgba16f) uniform writeonly image2D i_mixed;
+layout(binding = 1, rgba32f) uniform writeonly image2D i_mixed;
 layout(binding = 2, rg32f) uniform writeonly image2D i_state;  // how far it is, how many frames are in it
 
 const float MOVED = 0.25;  // pixels that a thing's own way differs from that of one that stands still
@@ -73,7 +74,7 @@ void main()
                     square += c * c / 9.0;
                 }
                 vec4 spread = 2.0 * sqrt(max(square - mean * mean, vec4(0.0)));
-                vec4 before = clamp(sum / weights, mean - spread, mean + spread);
+                vec4 before = gi.rests > 0.5 ? sum / weights : clamp(sum / weights, mean - spread, mean + spread);
                 frames = min(count / weights + 1.0, 1.0 / max(1.0 - gi.keep, 0.01));
                 now += (before - now) * (1.0 - 1.0 / frames);
             }

@@ -11,9 +11,60 @@ vec2 edges_at(ivec2 p)
     return inside ? step(0.5, texelFetch(t_edges, p, 0).rg) : vec2(0.0);
 }
 
+// Whether there is an edge from a corner of pixels to the next one in a direction. Corner (x, y) is the first of pixel (x, y).
+bool edge(ivec2 corner, ivec2 direction)
+{
+    vec2 edges = edges_at(corner + min(direction, ivec2(0)));
+    return (direction.x != 0 ? edges.g : edges.r) > 0.5;
+}
+
+// From `corner`, which an edge going `going` has reached, how far edges turn by turns, in steps of one pixel; and how they
+// end: 1 by an edge of two pixels in the direction of the first `going`, -1 by one in the other, 0 by anything else.
+vec2 stair(ivec2 corner, ivec2 going, ivec2 turn)
+{
+    float end = 1.0;
+    for (int i = 0; i < 2 * STEPS; ++i) {
+        bool straight = edge(corner, going);
+        bool turns = edge(corner, turn);
+        if (!turns || straight || edge(corner, -turn)) {
+            // of a slanted line an edge of two pixels, and the next stair the same way; anything else is a corner
+            ivec2 next = corner + going;
+            bool slanted = straight && !turns && edge(next, turn) && !edge(next, going) && !edge(next, -turn);
+            return vec2(float(i), slanted ? end : 0.0);
+        }
+        corner += turn;
+        ivec2 other = going;
+        going = turn;
+        turn = other;
+        end = -end;
+    }
+    return vec2(float(2 * STEPS), 0.0);
+}
+
+// Whether one of the crossing edges at `corner`, beyond (x) and on this side (y), goes on: then it is a corner of something
+// and no step of a slanted line.
+bool is_corner(vec2 crossing, ivec2 corner, ivec2 across)
+{
+    return (crossing.x > 0.5 && edge(corner + across, across)) || (crossing.y > 0.5 && edge(corner - across, -across));
+}
+
 // Along the edge above pixel p (`across` points to the pixel beyond it): `own` picks that edge, 1 - own the crossing ones.
 vec2 parts_of(ivec2 p, ivec2 along, ivec2 across, vec2 own)
 {
+    // the corner that the edge begins at, and the one where it ends
+    ivec2 begins = p;
+    ivec2 ends = p + along;
+#if PATTERNS
+    // which way a stair would go: at the end of the edge to this side, at its beginning beyond; or the other way round
+    bool here = edge(ends, -across) || edge(begins, across);
+    bool there = edge(begins, -across) || edge(ends, across);
+    if (here != there) {
+        vec2 after = here ? stair(ends, along, -across) : stair(begins, -along, -across);
+        vec2 before = here ? stair(begins, -along, across) : stair(ends, along, across);
+        float length = before.x + 1.0 + after.x;
+        if (length >= SHORTEST) return smaa_stair(-before.y, after.y, length, before.x);
+    }
+#endif
     vec2 crossing = vec2(1.0) - own;
     int before = 0;
     vec2 first = vec2(0.0);
@@ -32,6 +83,17 @@ vec2 parts_of(ivec2 p, ivec2 along, ivec2 across, vec2 own)
         after = i;
         if (last.x + last.y > 0.5 || dot(edges_at(q), own) < 0.5) break;
     }
+#if PATTERNS
+    bool sharp_first = is_corner(first, begins - before * along, across);
+    bool sharp_last = is_corner(last, ends + after * along, across);
+    if (sharp_first || sharp_last) {
+        // what is cut off by a corner lies, seen over many, evenly about the line
+        float h0 = sharp_first ? 0.0 : 0.5 * (first.x - first.y);
+        float h1 = sharp_last ? 0.0 : 0.5 * (last.x - last.y);
+        float length = float(before + after + 1);
+        return area_of_line(0.0, h0, length, h1, float(before));
+    }
+#endif
     return smaa_area(first, last, float(before + after + 1), float(before));
 }
 

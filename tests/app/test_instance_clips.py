@@ -27,7 +27,7 @@ def ramp(name: str, node: int, end: tuple[float, float, float], seconds: float) 
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    """hero: two clips that move `arm`; pair: two heroes; level: two heroes, a pair, and a door with a clip of its own."""
+    """hero: two clips that move `arm`; pair: two heroes; level: two heroes, a pair, a door with a clip of its own."""
     for clip in (ramp("wave", 1, (0.0, 2.0, 0.0), 2.0), ramp("reach", 1, (4.0, 0.0, 0.0), 4.0)):
         write_lanim(tmp_path / f"hero.{clip.name}.lanim", clip)
     write_scene(
@@ -64,7 +64,7 @@ def arms(runtime: Runtime) -> list[list[float]]:
 
 
 def test_each_prefab_plays_its_first_clip_beside_that_of_the_scene(level: Runtime) -> None:
-    assert [clip.name for clip in level.clips] == ["open", "hero/wave", "hero/reach", "pair/hero/wave", "pair/hero/reach"]
+    assert [c.name for c in level.clips] == ["open", "hero/wave", "hero/reach", "pair/hero/wave", "pair/hero/reach"]
     assert [level.clips[i].name for i in level.deck.active] == ["open", "hero/wave", "pair/hero/wave"]
     level.update(0.5)
     assert arms(level) == [[0.0, 0.5, 0.0]] * 4
@@ -84,7 +84,8 @@ def test_another_clip_of_a_prefab_replaces_its_own_only(level: Runtime) -> None:
 
 def test_a_timeline_blends_clips_of_a_prefab_and_the_others_play_on(level: Runtime) -> None:
     level.set_animation(
-        'schema = "lucarna.animation/1"\nname = "x"\n[clips."hero/wave"]\n[clips."hero/reach"]\n[[tracks]]\nname = "a"\n'
+        'schema = "lucarna.animation/1"\nname = "x"\n'
+        '[clips."hero/wave"]\n[clips."hero/reach"]\n[[tracks]]\nname = "a"\n'
         'blocks = [{ clip = "hero/wave", start = 0.0, length = 4.0, weight = 1.0 }, '
         '{ clip = "hero/reach", start = 0.0, length = 4.0, weight = 1.0 }]\n',
         drive="timeline",

@@ -13,6 +13,7 @@ from editor import file_moves, journal, recovering, tabs
 from editor.builtin_operations import builtin_operations
 from editor.session import Session
 from engine.assets.scene_json import read_scene
+from engine.core.errors import InputError
 
 
 @pytest.fixture
@@ -106,6 +107,85 @@ def test_a_tab_behind_follows_too(session: Session, project: Path) -> None:
     assert not behind.dirty
     tabs.step(session, 1)
     assert session.document is behind
+
+
+def test_each_document_that_it_concerns_can_undo_it_and_the_others_follow(session: Session, project: Path) -> None:
+    red, crimson = (project / f"scenes/{n}.material.toml" for n in ("boxes.red", "crimson"))
+    write_small_scene(project / "other")
+    behind = opened(session, project / "scenes/boxes.scene.json")
+    front = opened(session, project / "other/boxes.scene.json")
+    before = everything(project)
+    assert file_moves.move(session, red, crimson)
+    behind.history.undo()
+    assert everything(project) == before
+    front.history.undo()
+    assert everything(project) == before, "it was back already"
+    behind.edit("nodes", "visible", (1,), (False,))
+    with pytest.raises(InputError, match="unsaved changes"):
+        front.history.redo()
+    assert everything(project) == before
+    behind.history.undo()
+    front.history.redo()
+    assert crimson.is_file()
+    assert crimson in {Path(r.path) for r in map(behind.runtime.residency.material, range(2))}
+    front.history.undo()
+    assert {Path(r.path) for r in map(behind.runtime.residency.material, range(2))} >= {red}
+
+
+def test_undo_says_what_is_gone_or_in_the_way_and_works_once_it_is_not(session: Session, project: Path) -> None:
+    opened(session, project / "scenes/boxes.scene.json")
+    todo, done = project / "notes/todo.txt", project / "notes/done.txt"
+    assert file_moves.move(session, todo, done)
+    session.edit("nodes", "visible", (1,), (False,))
+    session.undo()
+    done.rename(project / "elsewhere.txt")
+    session.undo()
+    assert "cannot be undone: done.txt is gone (put it back there" in session.ui.error_bar
+    todo.write_text("other")
+    (project / "elsewhere.txt").rename(done)
+    session.undo()
+    assert "todo.txt is taken" in session.ui.error_bar
+    todo.unlink()
+    session.undo()
+    assert todo.read_text() == "paint"
+    done.write_text("other")
+    session.redo()
+    assert "cannot be done again" in session.ui.error_bar
+    assert todo.read_text() == "paint"
+
+
+def test_undo_and_redo_keep_what_was_written_since(session: Session, project: Path) -> None:
+    opened(session, project / "scenes/boxes.scene.json")
+    write_small_scene(project / "other")
+    red, crimson = (project / f"scenes/{n}.material.toml" for n in ("boxes.red", "crimson"))
+    assert file_moves.move(session, red, crimson)
+    late = project / "other/late.scene.json"
+    late.write_text((project / "other/boxes.scene.json").read_text().replace("boxes.red", "../scenes/crimson"))
+    session.undo()
+    assert "../scenes/boxes.red.material.toml" in late.read_text(), "what came to refer to it follows"
+    todo = project / "project.toml"
+    todo.write_text(todo.read_text() + "# mine\n")
+    late.write_text(late.read_text().replace('"plinth"', '"foot"'))
+    session.redo()
+    assert '"foot"' in late.read_text()
+    assert "crimson.material.toml" in late.read_text()
+
+
+def test_looking_at_an_earlier_state_moves_no_file(session: Session, project: Path) -> None:
+    document = opened(session, project / "scenes/boxes.scene.json")
+    assert file_moves.move(session, project / "scenes/boxes.red.material.toml", project / "red.material.toml")
+    assert file_moves.move(session, project / "notes/todo.txt", project / "notes/done.txt")
+    after = everything(project)
+    with document.history.visiting(0):
+        assert everything(project) == after
+        names = {Path(r.path).name for r in map(document.runtime.residency.material, range(2))}
+        assert "boxes.red.material.toml" in names
+    assert everything(project) == after
+
+
+def test_without_a_document_the_log_says_that_there_is_no_undo(session: Session, project: Path) -> None:
+    assert file_moves.move(session, project / "notes/todo.txt", project / "notes/done.txt")
+    assert "move it back" in session.messages.snapshot()[-1].text
 
 
 def test_edits_round_a_move_survive_a_crash(session: Session, project: Path, tmp_path: Path) -> None:

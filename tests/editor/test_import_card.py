@@ -4,20 +4,18 @@ from __future__ import annotations
 
 import pytest
 
-from editor.dialogs.import_card_place import BARS, EDGE, LINE, SHARE, WIDTH, YOUNG, Folding, placed
+from editor.dialogs.import_card_place import EDGE, LINE, NARROW, SHARE, WIDTH, YOUNG, Folding, placed
 
 
-@pytest.mark.parametrize("size", [(90.0, 50.0), (55.0, 30.0), (40.0, 24.0), (26.0, 16.0), (20.0, 9.0), (8.0, 6.0)])
-def test_it_ends_inside_the_viewport_and_covers_no_more_than_a_third_of_the_picture(size: tuple[float, float]) -> None:
+@pytest.mark.parametrize("size", [(90.0, 50.0), (50.0, 25.0), (40.0, 19.0), (25.0, 14.0), (25.0, 5.0), (8.0, 6.0)])
+def test_it_ends_inside_the_picture_and_covers_no_more_than_a_third_of_it(size: tuple[float, float]) -> None:
     place = placed(*size)
-    assert place.width <= max(min(WIDTH, size[0] - 2 * EDGE), 8.0)
-    picture = size[0] * (size[1] - BARS)
-    if place.whole:
-        assert place.top + place.height <= size[1]
-        assert place.width * place.height <= SHARE * picture + 1e-6
-    else:
-        assert place.line + LINE <= size[1] or place.line == BARS
-    assert place.whole == (size in [(90.0, 50.0), (55.0, 30.0), (40.0, 24.0)])
+    assert place.whole == (size[0] >= 40.0), "else a line, unless it is asked for"
+    assert place.width <= max(min(WIDTH, size[0] - 2 * EDGE), NARROW)
+    assert place.top + place.height <= size[1]
+    assert place.line + LINE <= size[1]
+    assert place.width * place.height <= SHARE * size[0] * size[1] + 1e-6 or place.height == LINE
+    assert placed(*size, wanted=3.0).top >= place.top, "what takes less stays below the axes"
 
 
 def drawn(folding: Folding, news: object, deed: object, times: int = 1, *, busy: bool = False) -> bool | None:

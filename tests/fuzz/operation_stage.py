@@ -6,6 +6,7 @@ from __future__ import annotations
 import hashlib
 import os
 import sys
+from collections.abc import Collection
 from pathlib import Path
 from typing import Any
 
@@ -105,21 +106,47 @@ def content(document: Document, *, exact: bool) -> str:
 def _materials(document: Document) -> Any:
     """What the materials say that are drawn or were edited (one that was loaded for a moment is no content), by their
     files, and what each object shows of its own."""
-    residency = document.runtime.residency
-    table = document.runtime.scene.instances
-    drawn = {int(row): int(table.material[row]) for row in table.alive_rows() if table.material[row] >= 0}
     edited = {row for name, _column, row in document.overrides if name == "materials"}
-    said = {}
-    for material in {residency.materials.base_of(m) for m in {*drawn.values(), *edited}}:
+    return _said(document.runtime, edited), _shown(document.runtime)
+
+
+def _said(runtime: Any, more: Collection[int] = ()) -> list[Any]:
+    residency = runtime.residency
+    said = []
+    for material in {residency.materials.base_of(m) for m in {*_drawn(runtime).values(), *more}}:
         record = residency.material(material)
         values = {p.name: record.asset.params.get(p.name, p.default) for p in record.effect.params}
         asset = record.asset
-        said[_file_of(residency, material)] = values, sorted(asset.textures.items()), asset.features, asset.queue
-    shown = {
+        name = _file_of(residency, material)
+        said.append((name, values, sorted(asset.textures.items()), asset.features, asset.queue))
+    return sorted(said, key=repr)
+
+
+def _shown(runtime: Any) -> dict[int, Any]:
+    """Instance -> its material's file, and what the object has of its own."""
+    residency = runtime.residency
+    return {
         row: (_file_of(residency, residency.materials.base_of(m)), sorted(residency.material(m).overrides.items()))
-        for row, m in drawn.items()
+        for row, m in _drawn(runtime).items()
     }
-    return sorted(said.items()), shown
+
+
+def _drawn(runtime: Any) -> dict[int, int]:
+    table = runtime.scene.instances
+    return {int(row): int(table.material[row]) for row in table.alive_rows() if table.material[row] >= 0}
+
+
+def reopened(session: Session, document: Document) -> tuple[Any, Any]:
+    """What of the document must be found in the files that it was saved to, and what is."""
+    assert document.saved_to is not None
+    runtime = session.host.open_runtime(session.device, document.saved_to)
+    try:
+        return tuple(  # type: ignore[return-value]  # of two
+            ([s for s in _said(r) if s[0] != "default"], sorted(map(repr, _shown(r).values())))
+            for r in (document.runtime, runtime)
+        )
+    finally:
+        runtime.close()
 
 
 def _file_of(residency: Any, material: int) -> str:

@@ -46,6 +46,8 @@ class Walk:
         self.operations: Operations = builtin_operations()
         self.watched: list[Watched] = []
         self.counts: Counter[str] = Counter()
+        #: a document that was saved, and not looked at since
+        self.saved: Watched | None = None
         #: called with the number of the event that was just traced
         self.after_event: Callable[[str], None] = lambda event: None
 
@@ -82,6 +84,7 @@ class Walk:
     def _tell(self, watched: Watched, what: str) -> None:
         event = watched.event(what)
         self.write(event)
+        self.saved = watched if what == "saved" else self.saved
         self.after_event(what)
         watched.model.follow(event)
 
@@ -150,6 +153,7 @@ class Walk:
             watched.shared = watched.shared or (watched is not front and changed)
         self.keep_up()
         self._compare(what, front)
+        self._reopen(what, dice)
         quiet = front in self.watched and document.history.revision == revision
         if quiet and (front.content() != before or front.model.at != at):
             raise Broken(f"{what}: no edit was made, and the document is another")
@@ -186,6 +190,18 @@ class Walk:
                 continue
             whose = "the document" if watched is front else f"another document ({watched.document.name})"
             raise Broken(f"{what}: {whose} changed, and its history does not know: {now}, and was {watched.model.now}")
+
+    def _reopen(self, what: str, dice: random.Random) -> None:
+        """What was saved just now is what shows."""
+        watched, self.saved = self.saved, None
+        if watched is None or watched not in self.watched or dice.random() < 0.5:
+            return
+        document = watched.document
+        if document.saved_to is None or document.history.saved_at != len(document.history.entries):
+            return
+        shows, says = stage.reopened(self.session, document)
+        if shows != says:
+            raise Broken(f"{what}: the saved files do not say what shows:\n{shows}\n{says}")
 
     def _run(self, id: str, dice: random.Random) -> str:
         operation = self.operations[id]

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from engine.core.errors import InputError
+from importers.cli.main import main
 from importers.project import move_log
 from importers.project.moving import plan
 
@@ -64,6 +65,21 @@ def test_a_move_that_was_killed_is_put_back(project: Path, steps: int) -> None:
     plan(project / "a", new).apply()
     assert "models/animals/fox.gltf" in (project / "project.toml").read_text()
     assert not (project / move_log.FOLDER).exists()
+
+
+@NEEDS_KILL
+def test_the_next_command_says_what_it_put_back(project: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    new = project / "b"
+    for steps, said in ((1, "put back: a/fox"), (0, "moved nothing")):
+        done = subprocess.run([sys.executable, "-c", CHILD, project / "a", new, str(steps)], check=False, timeout=60)
+        assert done.returncode < 0
+        assert main(["mv", "--dry-run", str(project / "a"), str(new)]) == 0
+        told = capsys.readouterr()
+        assert told.err.startswith("lucarna: an interrupted move")
+        assert said in told.err
+        assert "would move a to b" in told.out
+    assert main(["mv", "--dry-run", str(project / "a"), str(new)]) == 0
+    assert not capsys.readouterr().err
 
 
 @NEEDS_KILL

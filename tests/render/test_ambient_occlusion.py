@@ -11,6 +11,7 @@ from engine.app.framing import frame_bounds
 from engine.assets.primitives import card, cube, uv_sphere
 from engine.assets.scene import LightAsset
 from engine.math import quat
+from engine.math.transform import look_at
 from engine.render.camera import Camera
 from engine.render.occlusion import METHODS, radius_of
 from engine.render.settings import RenderSettings
@@ -74,15 +75,54 @@ def test_beside_an_endless_wall_what_is_far_hides_less(stage, surface) -> None:
         assert seen[row, column] == pytest.approx(expected, abs=0.015), x
 
 
+def open_part(distances, reach: float) -> float:
+    """What is left of a hemisphere of light: `distances` to what stands in each direction of `cosine_directions`."""
+    return float(1.0 - np.clip(1.0 - (distances / reach) ** 2, 0.0, 1.0).mean())
+
+
+def cosine_directions(count: int = 20000) -> np.ndarray:
+    """f8[n,3] about +Z, as many as their cosine."""
+    u = (np.arange(count) + 0.5) / count
+    angle = np.arange(count) * 2.399963
+    return np.stack([np.sqrt(u) * np.cos(angle), np.sqrt(u) * np.sin(angle), np.sqrt(1.0 - u)], axis=1)
+
+
 def test_a_ball_hides_the_ground_that_it_stands_on(stage, surface) -> None:
+    """By rays from places before it; one that is thought to have no body hides too little."""
     stage.look(kind="uniform", color=(1.0, 1.0, 1.0))
     stage.add(card(10.0), surface(), rotation=FLAT)
     stage.add(uv_sphere(), surface(), position=(0.0, 0.5, 0.0))
     camera = above(1.0, 0.8)
-    thin = visibility(stage, camera, ao_radius=0.3, ao_thickness=0.0)
-    thick = visibility(stage, camera, ao_radius=0.3, ao_thickness=0.35)
-    assert (thick <= thin + 0.02).all()
-    assert (thin - thick).max() > 0.15
+    d = cosine_directions() @ np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]], float)  # about +Y
+    clip, off = camera.clip_from_world(1.0), {}
+    for thickness in (0.0, 1.0):
+        seen = visibility(stage, camera, ao_radius=0.5, ao_thickness=thickness, ao_directions=8, ao_steps=16)
+        off[thickness] = []
+        for z in (0.3, 0.4, 0.5):
+            b = d @ np.array([0.0, -0.5, z])
+            inside = b * b - (0.25 + z * z - 0.25)
+            near = np.where((inside > 0.0) & (b < 0.0), -b - np.sqrt(np.maximum(inside, 0.0)), np.inf)
+            p = clip @ np.array([0.0, 0.0, z, 1.0])
+            x, y = int((p[0] / p[3] + 1) * 48), int((1 - p[1] / p[3]) * 48)
+            off[thickness].append(seen[y, x] - open_part(near, 0.5))
+    assert np.abs(off[1.0]).max() < 0.05
+    assert min(off[0.0]) > 0.15
+
+
+def test_what_stands_before_a_wall_hides_no_more_than_itself(stage, surface) -> None:
+    """A bar half a metre before a wall: beside it, light comes past it on both of its sides."""
+    stage.look(kind="uniform", color=(1.0, 1.0, 1.0))
+    stage.add(card(10.0), surface())
+    stage.add(cube(1.0), surface(), position=(0.0, 0.0, 0.5), scale=(0.1, 10.0, 0.1))
+    camera = Camera(look_at((0.6, 0.0, 3.0), (0.6, 0.0, 0.0)), 0.5)
+    seen = visibility(stage, camera, ao_radius=1.0, ao_thickness=0.1, ao_directions=16, ao_steps=32)
+    d, clip = cosine_directions(), camera.clip_from_world(1.0)
+    for x in (0.1, 0.3, 0.5):
+        low, high = ((np.array([[-0.05], [0.05]]) - x) / d[:, 0]), np.array([[0.45], [0.55]]) / d[:, 2]
+        enter, leave = np.maximum(low.min(axis=0), high.min(axis=0)), np.minimum(low.max(axis=0), high.max(axis=0))
+        near = np.where((enter < leave) & (leave > 0.0), enter, np.inf)
+        p = clip @ np.array([x, 0.0, 0.0, 1.0])
+        assert seen[48, int((p[0] / p[3] + 1) * 48)] == pytest.approx(open_part(near, 1.0), abs=0.03), x
 
 
 def test_light_comes_from_where_it_is_open(stage, surface) -> None:

@@ -45,9 +45,12 @@ def shown(stage: Stage) -> int:
 
 def test_flat_parts_of_shapes() -> None:
     (whole,) = flat_parts(plane(2.0), 0)
-    assert whole.whole and np.allclose(whole.plane, (0.0, 1.0, 0.0, 0.0)) and whole.area == pytest.approx(4.0)
+    assert whole.whole
+    assert np.allclose(whole.plane, (0.0, 1.0, 0.0, 0.0))
+    assert whole.area == pytest.approx(4.0)
     sides = flat_parts(cube(2.0), 0)
-    assert len(sides) == 6 and not any(part.whole for part in sides)
+    assert len(sides) == 6
+    assert not any(part.whole for part in sides)
     for part in sides:
         assert part.plane[3] == pytest.approx(-1.0), "the outside is the side that is seen"
         assert part.plane[:3] @ part.center == pytest.approx(1.0)
@@ -87,7 +90,8 @@ def test_a_mirror_shows_the_mirrored_scene(stage: Stage, ortho: bool) -> None:
     assert shown(stage) == 1
     without = stage.hdr(SIZE, camera, planar_mirrors=0)[..., :3]
     off = np.abs(got - truth).max(axis=-1)
-    assert np.median(off) < 0.01 and (off > 0.02).mean() < 0.01
+    assert np.median(off) < 0.01
+    assert (off > 0.02).mean() < 0.01
     assert (np.abs(without - truth).max(axis=-1) > 0.02).mean() > 0.05, "there is an image to see"
 
 
@@ -150,7 +154,8 @@ def test_a_transmissive_body_before_a_mirror_shows_what_is_behind_it_there(stage
     )  # fmt: skip
     stage.add(uv_sphere(0.3), clear, (0.1, 0.4, 0.9))
     got = stage.hdr(SIZE, CAMERA)
-    assert np.isfinite(got).all() and shown(stage) == 1
+    assert np.isfinite(got).all()
+    assert shown(stage) == 1
     image = got[40:, 20:50, :3]
     assert (image[..., 0] > 1.5 * image[..., 2]).any(), "what passes it is red"
 
@@ -179,7 +184,8 @@ def test_waves_turn_what_is_mirrored(stage: Stage, tmp_path: Any) -> None:
 
     flat, left, right = (row_of_light(lean) for lean in (0, -6, 6))
     assert flat == pytest.approx((SIZE[0] - 1) / 2, abs=1.0)
-    assert left > flat + 1.0 and right < flat - 1.0
+    assert left > flat + 1.0
+    assert right < flat - 1.0
 
 
 # --- who pays ---
@@ -218,7 +224,8 @@ def test_nothing_is_drawn_for_what_is_not_seen(stage: Stage) -> None:
     assert shown(stage) == 1
     for camera in (away, beneath):
         frame = stage.runtime.render(stage.view(SIZE, camera))
-        assert shown(stage) == 0 and frame.facts == facts
+        assert shown(stage) == 0
+        assert frame.facts == facts
     drawn = stage.runtime.render(stage.view(SIZE, CAMERA)).stats.counters["draws"]
     stage.runtime.scene.nodes.set_visible([node], False)
     stage.runtime.update()
@@ -250,12 +257,13 @@ def test_paths_are_bit_equal(stage: Stage, path: str) -> None:
     bodies(stage)
     stage.lamp(LightAsset("point", (1.0, 0.7, 0.4), 2.0, 4.0), (0.2, 1.0, 0.6))
     forward = stage.hdr(SIZE, CAMERA, path="forward")
-    assert (stage.hdr(SIZE, CAMERA, path=path) == forward).all() and stage.runtime.renderer.path.path == path
+    assert (stage.hdr(SIZE, CAMERA, path=path) == forward).all()
+    assert stage.runtime.renderer.path.path == path
     assert (stage.hdr(SIZE, CAMERA, path=path, planar_mirrors=0) != forward).any()
 
 
 @pytest.mark.gl
-@pytest.mark.parametrize("scale, offset", [(1e-4, (0, 0, 0)), (1e4, (0, 0, 0)), (1.0, (1e6, -2e5, 1e6))])
+@pytest.mark.parametrize(("scale", "offset"), [(1e-4, (0, 0, 0)), (1e4, (0, 0, 0)), (1.0, (1e6, -2e5, 1e6))])
 def test_tiny_huge_and_far_away(stage: Stage, scale: float, offset: tuple[float, float, float]) -> None:
     def picture(scale: float, offset: Any) -> NDArray[np.float32]:
         stage.look(**SKY)

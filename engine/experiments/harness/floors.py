@@ -14,9 +14,9 @@ from engine.render.camera import Camera
 
 
 def polished(scene: MadeScene, roughness: float) -> None:
-    """A dark dielectric floor of that roughness with pillars, a ball and a bar, under an even sky and a lamp."""
+    """A dark dielectric floor of that roughness with pillars, a ball and a bar, by two lamps."""
     scene.scene.environment = EnvironmentAsset(
-        kind="uniform", intensity=0.5, sun_illuminance=0.0, color=(0.6, 0.75, 1.0), background="environment"
+        kind="none", sun_illuminance=0.0, background="color", background_color=(0.0, 0.0, 0.0)
     )
     scene.scene.look.tone_map = "none"
     params = {"base_color": (0.04, 0.04, 0.05, 1.0), "metallic": 0.0, "roughness": roughness, "ior": 2.0}
@@ -30,5 +30,6 @@ def polished(scene: MadeScene, roughness: float) -> None:
     scene.add(uv_sphere(0.4, 24, 48), matt(0.2, 0.6, 0.25), (-0.7, 0.4, 0.3))
     tilted = quat.from_axis_angle((0.0, 0.0, 1.0), math.pi / 10)
     scene.add(cube(1.0), matt(0.85, 0.8, 0.3), (0.8, 0.9, 0.0), tilted, (1.1, 0.16, 0.3))
-    scene.lamp(LightAsset("point", (1.0, 0.9, 0.8), 4.0), (0.4, 2.2, 2.0))
+    scene.lamp(LightAsset("point", (1.0, 0.9, 0.8), 6.0), (0.4, 2.2, 2.0))
+    scene.lamp(LightAsset("point", (0.5, 0.7, 1.0), 3.0), (-2.0, 0.6, 2.4))
     scene.view_from = Camera(look_at((0.3, 1.1, 3.6), (0.0, 0.35, 0.0)), 0.75)

@@ -27,13 +27,15 @@ def mark_front(result: Result, problem: str, also: Sequence[str], held_within: f
             continue
         timed = by_problem[str(default.knobs.get(problem, ""))]
         others = (p for p in timed if p is not default)
-        beaten = next((p for p in others if _beats(p, default, result.metric, also, held_within)), None)
+        beaten = next((p for p in others if beats(p, default, result.metric, also, held_within)), None)
         if result.default_on_front is not False:
             result.default_on_front = beaten is None
             result.beaten_by = dict(beaten.knobs) if beaten is not None else None
 
 
-def _beats(point: Point, default: Point, metric: str, also: Sequence[str], held_within: float) -> bool:
+def beats(
+    point: Point, default: Point, metric: str, also: Sequence[str] = (), held_within: float = 0.0
+) -> bool:  # fmt: skip
     """Whether with 95 % confidence `point` is faster with no more error, or less wrong and no slower; in either case
     at no more of the other costs. Faster: by more than `held_within`."""
     if point.status != "ok" or any(point.extra[name] > default.extra[name] for name in also):

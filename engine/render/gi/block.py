@@ -12,6 +12,7 @@ from engine.gpu.types import Buffer
 
 if TYPE_CHECKING:  # frames have programs, and these know requests that know this block
     from engine.render.frame import RenderFrame
+from engine.render.gi.choice import BOUNCED, RESTING
 
 BLOCK = layout(
     [
@@ -28,7 +29,7 @@ BLOCK = layout(
         Field("known", "float"),  # 1 where the frame before can be asked
         Field("keep", "float"),  # part of what was known that stays
         Field("confidence", "float"),  # 1: the picture is that of what is known
-        Field("pad", "float"),
+        Field("rests", "float"),  # 1: nothing changed for so long that the plain mean is right
         Field("jitter", "vec2"),  # pixels of the view that the picture is shifted by
     ],
     rule="std140",
@@ -36,7 +37,7 @@ BLOCK = layout(
 #: the layers' GLSL in front of surface shaders
 PRELUDE = BLOCK.block_glsl("PassBlock_gi", 1, "gi") + "\n"
 NAME = "gi"
-#: of what the frames before gathered, in each new one
+#: of what the frames before gathered, in each new one, until all has been at rest for a while
 KEEP = 0.9
 
 
@@ -56,7 +57,9 @@ def fill(frame: RenderFrame) -> NDArray[np.void]:
         row[name] = look[name]
     row["strength"] = settings.gi_strength if frame.facts.indirect.wanted else 0.0
     row["boost"] = settings.gi_boost
-    row["keep"] = KEEP if look["known"] else 0.0
+    rests = frame.motion.frozen - BOUNCED
+    row["keep"] = (1.0 - 1.0 / min(1.0 / (1.0 - KEEP) + max(rests, 0), RESTING)) if look["known"] else 0.0
+    row["rests"] = rests > 0
     row["jitter"] = frame.motion.jitter
     row["confidence"] = float(frame.facts.debug_view == "indirect_confidence")
     return row

@@ -20,6 +20,8 @@ SHOWN_IN = frozenset({"lit", "lighting", "light_tiles", *VIEWS})
 
 #: parts of a scene's size that are taken where no length is set: a scene in other units looks the same
 RADIUS_PART, SEPARATION_PART, DISTANCE_PART = 0.5, 0.02, 1.0
+#: frames at rest after which all bounces are there; and frames that a mean is of from then on
+BOUNCED, RESTING = 16, 64
 #: smaller sizes of the layers that far places are read from
 LEVELS = 5
 
@@ -54,6 +56,11 @@ class Indirect:
     def rounds(self) -> int:
         """Bounces of a still picture before the last; what the environment lights is lit once at least."""
         return max(self.bounces - 1, int(self.sky))
+
+    @property
+    def rests_after(self) -> int:
+        """Frames in which nothing changes until the picture does not either, to speak of."""
+        return (BOUNCED if self.live else 0) + (RESTING if self.smooth else 0)
 
     @property
     def again(self) -> bool:

@@ -51,6 +51,7 @@ BLOCK = layout(
         Field("known", "float"),  # 1: there is a mean of frames before
         Field("frozen", "float"),  # 1: nothing changed since
         Field("most", "float"),  # frames that a mean is of
+        Field("floor_height", "float"),  # over the origin, metres
     ],
     rule="std140",
 )
@@ -90,6 +91,7 @@ class AmbientOcclusionPass(Pass):
         block = frame.pass_block(self.name, _row(ctx))
         levels = levels_of(*ctx.size) if ctx.has(DEPTHS) else 0
         defines = {"STRIDE": quality.stride, "SAMPLES": frame.facts.samples, "BENT": int(quality.bent)}
+        defines["FLOOR"] = int(_has_floor(frame))
         depth: dict[int, Any] = {DEPTH_UNIT: (ctx.texture("depth"), point)}
         inputs = depth
         if levels:
@@ -119,6 +121,10 @@ class AmbientOcclusionPass(Pass):
         _dispatch(ctx, "ambient_occlusion_filter.comp", {**defines, **form}, inputs, out, block)
 
 
+def _has_floor(frame: RenderFrame) -> bool:
+    return frame.facts.shadow_floor and frame.shadows.floor is not None
+
+
 def levels_of(width: int, height: int) -> int:
     """Smaller copies of a depth of that size; all their texels stand for a pixel of it."""
     return min(LEVELS, min(width, height).bit_length() - 1)
@@ -132,6 +138,8 @@ def _row(ctx: PassContext) -> np.ndarray[Any, Any]:
     row["strength"] = frame.look["ambient_strength"] if quality.wanted else 0.0
     row["thickness"] = frame.look["ambient_thickness"]
     row["bias"] = BIAS
+    if _has_floor(frame):
+        row["floor_height"] = frame.shadows.floor - frame.origin[1]
     if quality.temporal:
         known = motion.known and not ctx.history_reset(MEAN)
         row["before_from_now"] = motion.before_from_now.T

@@ -15,7 +15,7 @@ from engine.render.passes.motion import MOTION
 
 #: rgba16f: light over pi; part of the environment's light that is left
 GATHERED, INDIRECT = "indirect_raw", "indirect"
-#: the same, of this frame and those before; rg32f: how far the place is, how many frames are in it
+#: rgba32f: the same, of this frame and those before; rg32f: how far the place is, how many frames are in it
 MIXED, MIXED_STATE = "indirect_mixed", "indirect_state"
 #: between both, in the layers' size: taps on each side, texels from one to the next
 FILTERED, FILTERS = ("indirect_even", "indirect_wide"), ((2, 1), (1, 4))
@@ -45,7 +45,7 @@ class IndirectPass(Pass):
         b.create(GATHERED, "rgba16f", scale=scale)
         if quality.smooth:
             b.read(MOTION)
-            b.create(MIXED, "rgba16f", scale=scale)
+            b.create(MIXED, "rgba32f", scale=scale)  # means of many frames in half floats stop short of their limit
             b.create(MIXED_STATE, "rg32f", scale=scale)
             b.history(MIXED)
             b.history(MIXED_STATE)

@@ -1,4 +1,4 @@
-"""The shadows that the scene throws on a level floor below it: they darken what is behind; it is not seen itself."""
+"""Shadows and ambient occlusion on a level floor below the scene: they darken what is behind; it is not seen itself."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from engine.gpu.glsl_layout import Field, layout
 from engine.gpu.types import BlendState, ColorAttachment, DepthAttachment, DepthState
 from engine.render.facts import SceneFacts
 from engine.render.frame import ENVIRONMENT_UNIT, PASS_BINDING, RenderFrame
+from engine.render.passes.ambient_occlusion import FILTERED, ambient_inputs
 from engine.render.passes.local_shadows import LOCAL_SHADOW, local_shadow_inputs
 from engine.render.passes.shadow_cascades import SUN_MOMENTS, SUN_SHADOW, shadow_inputs
 
@@ -28,13 +29,14 @@ class ShadowFloorPass(Pass):
     reach: ClassVar[int | None] = 0
 
     def needs(self, facts: SceneFacts) -> bool | str:
-        return True if facts.shadow_floor else "no floor is asked for, or nothing throws a shadow"
+        return True if facts.shadow_floor else "no floor is asked for, or nothing throws a shadow or hides light"
 
     def declare(self, b: Builder) -> None:
         b.read("depth")
         b.read(SUN_SHADOW, optional=True)
         b.read(SUN_MOMENTS, optional=True)
         b.read(LOCAL_SHADOW, optional=True)
+        b.read(FILTERED, optional=True)
         b.write("hdr")
 
     def execute(self, ctx: PassContext) -> None:
@@ -48,11 +50,15 @@ class ShadowFloorPass(Pass):
         pipeline = frame.programs.screen(
             "shadow_floor.frag", block=BLOCK, block_name="ground", lights=True, blend=DARKEN,
             depth=DepthState(test=True, write=False, compare="gequal"),
-            defines={"SUN_SHADOWS": int(facts.sun_shadows or facts.force_all), **facts.light_defines()},
+            defines={
+                "SUN_SHADOWS": int(facts.sun_shadows or facts.force_all),
+                "AMBIENT_VISIBILITY": int(facts.ambient_occlusion.wanted),
+                "AMBIENT_OCCLUSION": facts.ambient_occlusion.shading & 3, **facts.light_defines(),
+            },
         )  # fmt: skip
         inputs = {
             ENVIRONMENT_UNIT: (frame.environment.texture, frame.environment.sampler),
-            **shadow_inputs(ctx), **local_shadow_inputs(ctx),
+            **shadow_inputs(ctx), **local_shadow_inputs(ctx), **ambient_inputs(ctx),
         }  # fmt: skip
         depth = DepthAttachment(ctx.texture("depth"), read_only=True)
         with ctx.device.render_pass(self.name, [ColorAttachment(ctx.texture("hdr"))], depth) as render_pass:

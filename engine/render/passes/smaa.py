@@ -1,8 +1,8 @@
 """Subpixel morphological anti-aliasing of the finished picture: edges, how much of a pixel lies beyond its edge, blend.
 
 Jimenez, Echevarria, Sousa, Gutierrez 2012, "SMAA: Enhanced Subpixel Morphological Antialiasing", in its form for one
-sample, without diagonal patterns. Areas are computed where they are needed and lines followed pixel by pixel, so that
-there are no tables of areas and searches."""
+sample, with diagonals and corners. Their tables of areas and searches make do with little arithmetic; here areas are
+computed where they are needed and lines followed pixel by pixel: exact at any length, and no table has to fit."""
 
 from __future__ import annotations
 
@@ -53,11 +53,12 @@ class SmaaPass(Pass):
             ("smaa_parts.frag", parts, {INPUT_UNIT: edges}),
             ("smaa_blend.frag", color, {INPUT_UNIT: shown, MORE_UNIT: parts}),
         )
+        defines = {"STEPS": STEPS, "PATTERNS": int(frame.view.settings.smaa_patterns == "all")}
         for shader, target, inputs in stages:
             if shader == "copy_picture.frag":
                 pipeline = frame.programs.screen(shader)
             else:
-                pipeline = frame.programs.screen(shader, block=BLOCK, block_name="smaa", defines={"STEPS": STEPS})
+                pipeline = frame.programs.screen(shader, block=BLOCK, block_name="smaa", defines=defines)
             with ctx.device.render_pass(shader.removesuffix(".frag"), [ColorAttachment(target)]) as render_pass:
                 render_pass.set_pipeline(pipeline)
                 sampled = {unit: (texture, frame.point_sampler) for unit, texture in inputs.items()}

@@ -91,7 +91,9 @@ class Mirrors:
             commands.append(c)
             ids.append(i)
             first_command, first_id = first_command + len(c), first_id + len(i)
-            self.shown.append(Mirror(_view_row(block, seen, planar, origin, jitter), _clip_row(mirror, origin), opaque, blended))
+            self.shown.append(
+                Mirror(_view_row(block, seen, planar, origin, jitter), _clip_row(mirror, origin), opaque, blended)
+            )
         if first_id:
             self.ids = fit_buffer(self._device, self.ids, np.concatenate(ids))
             self.commands = fit_buffer(self._device, self.commands, np.concatenate(commands))
@@ -154,5 +156,3 @@ def _clip_row(mirror: MirrorPlane, origin: F8) -> NDArray[np.void]:
 
 def _at_origin(plane: F8, origin: F8) -> F8:
     return np.append(plane[:3], plane[3] + plane[:3] @ origin)
-
-

@@ -44,7 +44,7 @@ def flat_parts(mesh: MeshAsset, submesh: int) -> list[FlatPart]:
     extent = float((corners.max(axis=(0, 1)) - corners.min(axis=(0, 1))).max())
     total, left = float(doubled.sum()), doubled > 1e-12 * extent * extent
     unit = normal / np.where(doubled > 0.0, doubled, 1.0)[:, None]
-    found = []
+    found: list[FlatPart] = []
     for _ in range(2 * MOST_PARTS):
         if len(found) == MOST_PARTS or float(doubled[left].sum()) < LEAST_SHARE * total or not left.any():
             break

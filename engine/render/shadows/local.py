@@ -25,13 +25,14 @@ SOFT_GUARD = 12.0
 #: metres; depth in a tile is NEAR / distance, and nearer things are drawn at its end (reversed, endless)
 NEAR = 1e-6
 #: vec4s per tile in the buffer
-ROWS = 4
+ROWS = 5
 
 
 @dataclass(frozen=True, slots=True)
 class Tile:
     """A square of the atlas, in texels, and what it sees: `axes` f8[3,3] (rows right, up, forward) from `position`
-    f8[3] (world), `tangent` of half its angle. Equal `key`s are equal pictures."""
+    f8[3] (world), `tangent` of half its angle; nothing that casts is `far` metres away. Equal `key`s are equal
+    pictures. `blur`: texels that a filter may reach."""
 
     x: int
     y: int
@@ -40,6 +41,8 @@ class Tile:
     axes: F8
     tangent: float
     key: tuple[object, ...]
+    far: float = 1.0
+    blur: float = 0.0
 
     def clip_from_origin(self, origin: F8) -> F8:
         """f8[4,4] from the origin-relative world to the tile's clip space (reversed depth, endless)."""
@@ -49,6 +52,10 @@ class Tile:
         matrix[:, 3] = -matrix[:, :3] @ (self.position - origin)
         matrix[2, 3] = NEAR
         return matrix
+
+    def unit_from_origin(self, origin: F8) -> F8:
+        """The same with w = 1 at `far`: a power of two, so that depths keep their bits."""
+        return self.clip_from_origin(origin) / self.far
 
 
 @dataclass(slots=True)
@@ -140,6 +147,7 @@ class LocalShadows:
             if light["range"] > 0.0:
                 near = np.linalg.norm(away, axis=1) <= float(light["range"]) + size[i] + radius
             rows[chosen[i]] = (first, len(views), blur, float(soft[i]))
+            far = _next_power_of_two(float((np.linalg.norm(away[near], axis=1) + radius[near]).max(initial=0.0)))
             for face, axes in enumerate(views):
                 x, y = (int(v) for v in tiles.corner[i, face])
                 inside = near & seen_by(axes, tangent, away, radius)
@@ -148,9 +156,9 @@ class LocalShadows:
                 masks.append(mask)
                 key = (
                     id(scene), x, y, width, position.tobytes(), axes.tobytes(), tangent,
-                    np.packbits(mask).tobytes(), int(moved[inside].max(initial=0)), state,
+                    np.packbits(mask).tobytes(), int(moved[inside].max(initial=0)), state, far,
                 )  # fmt: skip
-                tile = Tile(x, y, width, position, axes, tangent, key)
+                tile = Tile(x, y, width, position, axes, tangent, key, far, blur)
                 self.tiles.append(tile)
                 blocks.append(_tile_rows(tile, atlas))
                 first += ROWS
@@ -194,13 +202,19 @@ def _importance(view: View, lights: NDArray[np.void], center: F8, radius: F8) ->
 
 
 def _tile_rows(tile: Tile, atlas: int) -> NDArray[np.float32]:
-    """f4[ROWS,4]: right, middle u; up, middle v; forward, tangent; half width (uv), texel per metre, near, uv texel."""
+    """f4[ROWS,4]: right, middle u; up, middle v; forward, tangent; half width (uv), texel per metre, near, uv texel;
+    far."""
     rows = np.zeros((ROWS, 4), np.float32)
     rows[:3, :3] = tile.axes
     rows[0, 3], rows[1, 3] = (tile.x + tile.width / 2) / atlas, (tile.y + tile.width / 2) / atlas
     rows[2, 3] = tile.tangent
     rows[3] = (tile.width / 2 / atlas, 2.0 * tile.tangent / tile.width, NEAR, 1.0 / atlas)
+    rows[4, 0] = tile.far
     return rows
+
+
+def _next_power_of_two(value: float) -> float:
+    return 2.0 ** math.ceil(math.log2(min(max(value, 1e-30), 1e30)))
 
 
 def _power_of_two(size: int) -> int:

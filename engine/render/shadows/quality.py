@@ -18,18 +18,17 @@ MOMENTS = frozenset(COUNTS)
 HARDWARE = frozenset({"poisson8", "poisson16", "poisson24"})
 PRECISIONS = ("single", "half")
 
-#: what a view may ask for: `auto` is what the device can afford
+#: what a view may ask for
 FILTER_CHOICES = ("auto", *FILTERS)
 #: lookups of moments: between texels, and between mips
 LINEAR = SamplerDesc("clamp", "clamp", "clamp", "linear_mip_linear", "linear")
 
 
-def filter_for(choice: str, *, software: bool) -> str:
-    """The filter of FILTERS that `choice` means: a software rasteriser pays about as much for each lookup as for all
-    the rest of a pixel, so there one hardware-style lookup is what `auto` gives."""
-    if choice != "auto":
-        return choice
-    return "pcf" if software else "vogel8"
+def filter_for(choice: str) -> str:
+    """The filter of FILTERS that `choice` means. A sun of half a degree throws sharp shadows: four texels that are each
+    compared with the receiver's plane are nearer to rays, by rmse and by FLIP, than any wider filter at several times
+    the price (`lucarna report shadows`)."""
+    return choice if choice != "auto" else "pcf"
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +36,7 @@ class ShadowQuality:
     """`size` texels square, `cascades` layers, `filter` of FILTERS. `precision` of PRECISIONS: of moments, which only
     their filters have."""
 
-    filter: str = "vogel8"
+    filter: str = "pcf"
     cascades: int = 3
     size: int = 1024
     precision: str = "single"

@@ -45,7 +45,6 @@ def main(begun: float, path: Path | None) -> dict[str, float]:
             app.params.app_shall_exit = True
 
     app.params.callbacks.after_swap = shown
-    app.params.fps_idling.enable_idling = False
     app.run()
     return found
 

@@ -24,7 +24,7 @@ from editor.texture_sources import list_sources  # noqa: E402  (needs the path a
 #: panels that the walk opens, in the order of its pictures
 PANELS = (
     "Scene", "Assets", "Inspector", "Lights", "Render settings", "Log", "Timings", "Variants", "Shader editor",
-    "Timeline", "State graph", "Blend space", "Masks", "History", "Frame graph", "Textures", "Report", "Numbers",
+    "Timeline", "State graph", "Blend space", "Masks", "History", "Frame graph", "Textures", "Report", "Asset report", "Numbers",
     "Console", "Plug-ins", "Preferences", "Material preview", "BRDF explorer", "Compare",
 )  # fmt: skip
 
@@ -81,7 +81,16 @@ def textures(run: WindowRun) -> None:
     run.shot("texture-zoomed")
 
 
-STEPS: dict[str, Callable[[WindowRun], None]] = {"panels": panels, "textures": textures}
+def assets(run: WindowRun) -> None:
+    """The asset report page by page; a texture of it is looked at, a material of it selected."""
+    for page in ("All", "Meshes", "Textures", "Materials", "Findings"):
+        show(run, "Asset report")
+        run.ctx.item_click(f"//###Asset report/report/{page}" + ("" if page == "All" else "##tab"))
+        run.ctx.yield_(3)
+        run.shot(f"report-{page.lower()}")
+
+
+STEPS: dict[str, Callable[[WindowRun], None]] = {"panels": panels, "textures": textures, "assets": assets}
 
 
 def steps(run: WindowRun, path: Path, chosen: argparse.Namespace) -> None:
