@@ -61,7 +61,10 @@ class App:
         remember_layout: bool = True,
         null_platform: bool = False,
         plugins: bool = True,
+        fps: int | None = None,
     ) -> None:
+        #: pictures a second at most, this time; None: as the preferences say
+        self.fps = fps
         self.ui = Ui(session, operations)
         self.ui.plugins = self.plugins = PluginManager(session, operations, active=plugins)
         self._language = "en"
@@ -257,7 +260,7 @@ class App:
                 self.idling.look_again(now)
                 pause = self.idling.pause(session, now, moving=False, caret=caret)
         idle = self.params.fps_idling
-        idle.fps_max = float(session.preferences.fps_limit)
+        idle.fps_max = float(session.preferences.fps_limit if self.fps is None else self.fps)
         if pause <= 0.0:
             hello_imgui.request_refresh()
         else:

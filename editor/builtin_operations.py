@@ -12,6 +12,7 @@ from editor.comparing.operations import add_compare_operations
 from editor.direct_operations import add_direct_operations
 from editor.document_operations import add_document_operations
 from editor.editing_operations import add_editing_operations
+from editor.habit_operations import add_habit_operations
 from editor.history_operations import add_history_operations
 from editor.import_operations import add_import_operations
 from editor.layout_operations import add_layout_operations
@@ -451,6 +452,7 @@ def builtin_operations() -> Operations:
     add_history_operations(ops)
     add_compare_operations(ops)
     add_layout_operations(ops)
+    add_habit_operations(ops)
     add_texture_operations(ops)
     add_look_operations(ops)
     add_surroundings_operations(ops)

@@ -16,6 +16,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--screenshot", type=Path, metavar="PNG", help="write a picture of the whole window and exit")
     parser.add_argument("--frames", type=int, default=12, metavar="N", help="frames to draw before it (default 12)")
     parser.add_argument("--size", default="1440x900", metavar="WxH", help="size of the window (default 1440x900)")
+    parser.add_argument(
+        "--fps", type=int, default=None, metavar="N", help="pictures a second at most (0: as the display shows)"
+    )
     parser.add_argument("--no-plugins", action="store_true", help="start without plug-ins")
     parser.add_argument("--select", default="", metavar="NAME", help="select the node of this name once it is open")
 
@@ -34,6 +37,8 @@ def run(args: argparse.Namespace) -> int:
     size = parse_size(args.size)
     if args.frames < 1:
         raise UsageError(f"--frames {args.frames} is not a count", hint="give 1 or more")
+    if args.fps is not None and args.fps != 0 and not 5 <= args.fps <= 1000:
+        raise UsageError(f"--fps {args.fps} is not a limit", hint="give 5 to 1000, or 0 for the display's own")
     if args.path is not None and not args.path.exists():
         raise InputError("there is no such file or folder", where=args.path)
     if sys.platform.startswith("linux") and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
@@ -63,6 +68,7 @@ def run(args: argparse.Namespace) -> int:
         frames=args.frames if picture else 0,
         remember_layout=not picture,
         plugins=not args.no_plugins,
+        fps=args.fps,
     )
     if args.path is not None:
         app.on_shown = partial(session.open, args.path)

@@ -16,6 +16,8 @@ from editor.script_names import script_names
 from editor.session import Session
 
 LIMIT = 2000
+#: so many words are written down of those that a start may become
+OFFERED = 40
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,7 +74,11 @@ class Console:
         self._logged = self.operations.logged
 
     def complete(self, word: str) -> list[str]:
-        """Names and attributes that begin with `word`, such as `scene().no`; nothing is called to find them."""
+        """Names and attributes that begin with `word`, such as `scene().no`, and after a quote operations and nodes;
+        nothing is called to find them."""
+        if word[:1] in ("'", '"'):
+            known = {operation.id for operation in self.operations} | set(self._nodes())
+            return [word[0] + name for name in sorted(known) if name.startswith(word[1:])]
         stem, dot, start = word.rpartition(".")
         names: dict[str, Any] = self._interpreter.locals
         if not dot:
@@ -80,6 +86,15 @@ class Console:
         if not stem.isidentifier() or stem not in names:
             return []
         return sorted(f"{stem}.{n}" for n in dir(names[stem]) if n.startswith(start) and not n.startswith("_"))
+
+    def offer(self, found: list[str]) -> None:
+        """Write down what a word may become."""
+        more = f" and {len(found) - OFFERED} more" if len(found) > OFFERED else ""
+        self._say("did", "   ".join(found[:OFFERED]) + more)
+
+    def _nodes(self) -> list[str]:
+        document = self.session.document
+        return [name for name in document.runtime.scene.nodes.name if name] if document is not None else []
 
     def clear(self) -> None:
         self.lines.clear()

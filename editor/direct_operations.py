@@ -166,9 +166,6 @@ def _set(session: Session, table: str, column: str, value: Any, rows: Any) -> No
     assert document is not None
     chosen = [int(r) for r in rows] if rows is not None else _rows(session, table)
     try:
-        if table == "materials":  # what one object has to itself is said in `objects`, and saved there
-            base_of = getattr(getattr(document.runtime.residency, "materials", None), "base_of", int)
-            chosen = list(dict.fromkeys(map(base_of, chosen)))
         document.edit(table, column, chosen, [value] * len(chosen))
     except LucarnaError:
         raise

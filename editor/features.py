@@ -65,10 +65,11 @@ FEATURES = (
     _f("Command palette", "help.palette", first="1"),
     _f("Interface scale from 75 to 300 %", "view.scale-up view.scale-down view.scale-reset", "Preferences", "edit",
        first="1"),
-    _f("Draws nothing while nothing changes", "view.show-stats", "Timings", first="1"),
+    _f("Draws nothing while nothing changes", "view.show-stats view.background-slow view.fps-limit", "Timings", first="1"),
     _f("Packages: folder build and wheel", commands="doctor", first="1", missing="signing of the packages"),
     _f("Navigation with three buttons, a pen or a trackpad", "view.frame view.frame-all view.reset-camera "
-       "view.front view.right view.top view.orthographic view.look", "Viewport", "render play",
+       "view.front view.right view.top view.orthographic view.look view.fly help.pointer-trackpad help.reverse-scroll",
+       "Viewport, Preferences", "render play",
        "orbit pan dolly fly"),
     _f("Gizmos, local and world", "tool.move tool.rotate tool.scale tool.local edit.move-by edit.turn-by edit.scale-by",
        "Viewport", "run"),

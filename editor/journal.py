@@ -83,9 +83,11 @@ class Journal:
             if self._bases.get(self.document.runtime) != self._base:
                 self._rebase()
             self._note_prefabs()
-            if isinstance(concerned[0] if concerned else None, (Replacement, FileStep)):
-                return  # what stands now is written down; files are no part of a replay
             line: dict[str, Any] = {"e": what, "n": len(history.entries), "dirty": history.dirty}
+            if concerned and isinstance(concerned[0], (Replacement, FileStep)):
+                # what stands now is written down; files are no part of a replay
+                self._line({**line, "e": "files", "what": what, "label": concerned[0].describe()})
+                return
             if edit is not None:
                 line["c"] = edit_to_plain(edit)
                 line |= self._meaning(edit)
@@ -305,6 +307,17 @@ def _put(document: Document, line: Mapping[str, Any]) -> None:
     document.tables[table].write(column, (row,), (_tuples(value),))
     file = str(Path(document.runtime.residency.material(row).path).resolve()) if table == "materials" else ""
     document.saved_values.add((table, column, file))
+
+
+def file_changes(path: Path) -> list[str]:
+    """What the journal says of changes of files that were done and not undone: they stay, and no replay has them."""
+    found: list[str] = []
+    for _, line in _lines(path):
+        if line.get("e") == "files" and line.get("what") == "undo":
+            found = found[:-1]
+        elif line.get("e") == "files":
+            found.append(str(line.get("label", "")))
+    return found
 
 
 def discard(path: Path) -> None:

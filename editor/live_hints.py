@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Set as AbstractSet
 
-from editor.navigation import DEFAULT_PRESET, PRESETS, WHEEL, hints
+from editor.navigation import DEFAULT_PRESET, PRESETS, WHEEL, hints, wheel_motion
 
 #: motion -> what it does
 MOTIONS = {
@@ -21,7 +21,8 @@ SNAPS = {
 
 
 def live_hints(
-    preset: str, held: AbstractSet[str], *, tool: str = "", flying: bool = False, measuring: bool = False
+    preset: str, held: AbstractSet[str], *, tool: str = "", flying: bool = False, measuring: bool = False,
+    pointer: str = "mouse",
 ) -> list[tuple[str, str]]:
     """(gesture, what it does): of the held modifiers (ctrl, alt, shift) where there are some, else the usual ones."""
     if flying:
@@ -29,16 +30,16 @@ def live_hints(
     if measuring:
         return [("Click", "Set a point"), ("M", "Stop measuring")]
     if not held:
-        found = hints(preset)[:3]
+        found = hints(preset, pointer)[:3]
         return [*found, *((key.capitalize(), what) for key, what in SNAPS.get(tool, {}).items())]
     found = [
         (BUTTONS[b.button], MOTIONS[b.motion])
         for b in PRESETS.get(preset, PRESETS[DEFAULT_PRESET])
         if b.modifiers == held and b.motion in MOTIONS
     ]
-    wheel = WHEEL.get(frozenset(held))
-    if wheel is not None:
-        found.append(("Wheel", WHEELS[wheel]))
+    if frozenset(held) in WHEEL:
+        wheel = "Two fingers" if pointer == "trackpad" else "Wheel"
+        found.append((wheel, WHEELS[wheel_motion(preset, frozenset(held), pointer)]))
     if len(held) == 1:
         found += [("Gizmo", what) for key, what in SNAPS.get(tool, {}).items() if key in held]
     return found

@@ -133,7 +133,11 @@ def draw_status_bar(ui: Ui) -> None:
         io = imgui.get_io()
         held = {name for name, down in (("ctrl", io.key_ctrl), ("shift", io.key_shift), ("alt", io.key_alt)) if down}
         tools = session.tools
-        now = live_hints(session.preferences.keymap, held, tool=tools.mode, flying=ui.flying, measuring=tools.measuring)
+        preferences = session.preferences
+        now = live_hints(
+            preferences.keymap, held, tool=tools.mode, flying=ui.flying, measuring=tools.measuring,
+            pointer=preferences.pointer,
+        )  # fmt: skip
         line = "     ".join(f"{tr(gesture)}: {tr(what).lower()}" for gesture, what in now)
         device = imgui.calc_text_size(_device_line(ui)).x + em(3)
         text(cut(line, max(imgui.get_content_region_avail().x - device, em(4))), theme.FAINT)

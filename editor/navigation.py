@@ -55,20 +55,35 @@ PRESETS: dict[str, tuple[Binding, ...]] = {
         _b("left", "orbit", "alt"),
         _b("middle", "pan"),
         _b("left", "pan", "shift"),
+        _b("left", "pan", "alt", "shift"),
         _b("right", "dolly"),
         _b("left", "dolly", "alt", "ctrl"),
         _b("right", "environment", "shift"),
         _b("left", "select", "ctrl"),
     ),
 }
-#: what the wheel (or two fingers) does by preset and modifier; "zoom" goes to the cursor
+#: what moves the pointer: a mouse, whose wheel zooms; a trackpad, on which two fingers do what the preset says
+POINTERS = ("mouse", "trackpad")
+#: what the wheel does with a modifier held; "zoom" goes to the pointer
 WHEEL: dict[frozenset[str], str] = {
     frozenset(): "zoom",
     frozenset({"ctrl"}): "zoom",
     frozenset({"shift"}): "pan",
     frozenset({"alt"}): "orbit",
 }
+#: what two fingers do, by preset. Systems that tell of a pinch tell it as a wheel with Ctrl
+FINGERS: dict[str, dict[frozenset[str], str]] = {
+    "industry": {frozenset(): "pan", frozenset({"alt"}): "orbit"},  # beside one finger with Alt, which orbits
+    "blender": {frozenset(): "orbit", frozenset({"alt"}): "orbit"},
+    "viewer": {frozenset(): "pan", frozenset({"alt"}): "orbit"},  # one finger orbits
+}
 DEFAULT_PRESET = "industry"
+
+
+def wheel_motion(preset: str, modifiers: frozenset[str], pointer: str = "mouse") -> str:
+    """zoom, pan or orbit: what the wheel does, or two fingers do."""
+    fingers = FINGERS.get(preset, FINGERS[DEFAULT_PRESET]) if pointer == "trackpad" else {}
+    return {**WHEEL, **fingers}.get(modifiers, "zoom")
 
 
 def motion_for(preset: str, button: str, modifiers: frozenset[str]) -> str:
@@ -79,8 +94,9 @@ def motion_for(preset: str, button: str, modifiers: frozenset[str]) -> str:
     return ""
 
 
-def hints(preset: str) -> list[tuple[str, str]]:
-    """(gesture, what it does) for help cards, in reading order; the first binding of each motion."""
+def hints(preset: str, pointer: str = "mouse") -> list[tuple[str, str]]:
+    """(gesture, what it does) for help cards, in reading order; the first binding of each motion, on a trackpad the
+    first that one finger can do."""
     words = {
         "orbit": "Orbit",
         "pan": "Pan",
@@ -89,11 +105,19 @@ def hints(preset: str) -> list[tuple[str, str]]:
         "environment": "Turn the light",
     }
     buttons = {"left": "left drag", "middle": "middle drag", "right": "right drag"}
+    bindings = PRESETS.get(preset, PRESETS[DEFAULT_PRESET])
+    if pointer == "trackpad":
+        bindings = tuple(sorted(bindings, key=lambda b: ("left", "right", "middle").index(b.button)))
     found: dict[str, str] = {}
-    for binding in PRESETS.get(preset, PRESETS[DEFAULT_PRESET]):
+    for binding in bindings:
         if binding.motion in words and binding.motion not in found:
             modifiers = "".join(f"{m.capitalize()} + " for m in ("ctrl", "alt", "shift") if m in binding.modifiers)
             gesture = modifiers + buttons[binding.button]
             found[binding.motion] = gesture[:1].upper() + gesture[1:]
     rows = [(found[m], words[m]) for m in words if m in found]
-    return [*rows, ("Wheel", "Zoom to the pointer"), ("F  /  A", "Frame the selection / everything")]
+    if pointer == "trackpad":
+        two = words[wheel_motion(preset, frozenset(), pointer)]
+        rows = [("Two fingers", two), ("Pinch, Ctrl + two fingers", "Zoom to the pointer"), *rows]
+    else:
+        rows.append(("Wheel", "Zoom to the pointer"))
+    return [*rows, ("F  /  A", "Frame the selection / everything")]

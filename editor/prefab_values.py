@@ -7,7 +7,7 @@ revert_value ─► one entry of plain edits, where the value is one of a table;
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
@@ -42,38 +42,73 @@ class OwnValue:
     there: str
 
 
-def nodes_now(document: Document, rows: Collection[int]) -> dict[int, NodeAsset]:
-    """Nodes as saving would write them, by row; without what counts other nodes."""
-    runtime, overrides = document.runtime, document.overrides
+def nodes_now(document: Document, rows: Sequence[int]) -> dict[int, NodeAsset]:
+    """Nodes as saving would write them, by row; without what counts other nodes. Not to be written into: what nobody
+    touched is the node as it was read."""
+    runtime = document.runtime
     scene, base = runtime.scene, runtime.asset
-    if saving.is_restructured(scene, base):
-        from engine.scene.convert import node_assets
-
-        nodes = node_assets(scene, rows)
-        index = {int(row): i for i, row in enumerate(scene.row_of_node.tolist()) if row >= 0}
-        driven = saving.driven_rows(runtime)
-        rests = {row: base.nodes[index[row]] for row in nodes if row in index}
-        rests |= {row: scene.sources[row] for row in nodes if row in driven and row not in rests}
-        for row, old in rests.items():
-            node = nodes[row]
-            node.translation, node.rotation, node.scale = old.translation, old.rotation, old.scale
-            node.matrix = old.matrix
-        for (table, column, row), value in overrides.items():
-            if table == "nodes" and row in rests:
-                saving.apply_to_node(nodes[row], column, value)
+    touched = _touched(document)
+    if not saving.is_restructured(scene, base):
+        nodes = {row: copy.deepcopy(base.nodes[row]) if row in touched else base.nodes[row] for row in rows}
+        _say(document, nodes, nodes.keys() & touched)
         return nodes
-    nodes = {row: copy.deepcopy(base.nodes[row]) for row in rows}
-    for (table, column, row), value in overrides.items():
-        if table == "nodes" and row in nodes:
+    from engine.scene.convert import node_assets
+
+    index = {row: i for i, row in enumerate(scene.row_of_node.tolist()) if row >= 0}
+    driven = saving.driven_rows(runtime)
+    nodes = {row: base.nodes[index[row]] for row in rows if row in index and row not in touched}
+    nodes |= _as_they_came(scene, [row for row in rows if row not in nodes and row not in touched], driven)
+    changed = node_assets(scene, [row for row in rows if row not in nodes])
+    rests = {row: base.nodes[index[row]] if row in index else scene.sources[row] for row in changed
+             if row in index or row in driven}  # fmt: skip
+    for row, old in rests.items():
+        node = changed[row]
+        node.translation, node.rotation, node.scale = old.translation, old.rotation, old.scale
+        node.matrix = old.matrix
+    for (table, column, row), value in document.overrides.items():
+        if table == "nodes" and row in rests:
+            saving.apply_to_node(changed[row], column, value)
+    return nodes | changed
+
+
+def _touched(document: Document) -> set[int]:
+    """The rows of nodes that the user said something of, or of what they carry."""
+    scene = document.runtime.scene
+    rows = {row for table, _, row in document.overrides if table in ("nodes", "objects")}
+    carried = {(table, row) for table, _, row in document.overrides if table in ("lights", "cameras")}
+    return rows | {int(getattr(scene, table).node[row]) for table, row in carried}
+
+
+def _say(document: Document, nodes: dict[int, NodeAsset], rows: Collection[int]) -> None:
+    """What the user said of the nodes `rows` of the file."""
+    scene = document.runtime.scene
+    for (table, column, row), value in document.overrides.items() if rows else ():
+        if table == "nodes" and row in rows:
             saving.apply_to_node(nodes[row], column, value)
-        elif table == "objects" and row in nodes:
+        elif table == "objects" and row in rows:
             saving.apply_to_object(nodes[row], column, value)
         elif table in ("lights", "cameras"):
-            carrier = nodes.get(int(getattr(scene, table).node[row]))
-            part = getattr(carrier, table.removesuffix("s"), None)
+            carrier = int(getattr(scene, table).node[row])
+            part = getattr(nodes[carrier], table.removesuffix("s")) if carrier in rows else None
             if part is not None:
                 setattr(part, column, value)
-    return nodes
+
+
+def _as_they_came(scene: Any, rows: Sequence[int], driven: Collection[int]) -> dict[int, NodeAsset]:
+    """Of nodes that came since the scene was opened those that are still as they came: their sources."""
+    table, found = scene.nodes, {}
+    places = zip(
+        *(column[list(rows)].tolist() for column in (table.translation, table.rotation, table.scale)), strict=True
+    )
+    visible = table.visible[list(rows)].tolist()
+    for row, place, shows in zip(rows, places, visible, strict=True):
+        source = scene.sources.get(row)
+        if source is None or source.light is not None or source.camera is not None or source.matrix is not None:
+            continue
+        stands = row in driven or tuple(map(tuple, place)) == (source.translation, source.rotation, source.scale)
+        if stands and table.name[row] == source.name and shows == source.visible and not table.has_matrix[row]:
+            found[row] = source
+    return found
 
 
 def prefab_nodes(document: Document, root: int) -> dict[str, NodeAsset] | None:

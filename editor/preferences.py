@@ -10,6 +10,7 @@ from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
+from editor.navigation import POINTERS
 from engine.core.atomic import write_text
 from engine.core.errors import OutputError
 from engine.core.paths import user_config_dir
@@ -48,6 +49,9 @@ class Preferences:
     in_background: str = "slow"
     #: pictures a second at most; 0: as many as the display shows
     fps_limit: int = 0
+    #: one of navigation.POINTERS: what two fingers do is the keymap's; whether they and the wheel go the other way
+    pointer: str = "mouse"
+    reverse_scroll: bool = False
     fly_speed: float = 1.0
     #: import sources again when they change; show the card of an import
     reimport: bool = True
@@ -100,6 +104,8 @@ def load(path: Path | None = None) -> Preferences:
         preferences.ui_scale = 1.0
     if preferences.theme not in THEMES:
         preferences.theme = THEMES[0]
+    if preferences.pointer not in POINTERS:
+        preferences.pointer = POINTERS[0]
     if preferences.in_background not in IN_BACKGROUND:
         preferences.in_background = IN_BACKGROUND[0]
     if preferences.fps_limit != 0 and not 5 <= preferences.fps_limit <= 1000:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from editor import tabs
 from editor.document import Document
-from editor.journal import Journal, Recovery, discard, replay
+from editor.journal import Journal, Recovery, discard, file_changes, replay
 from engine.core.errors import LucarnaError
 
 if TYPE_CHECKING:
@@ -70,6 +70,12 @@ def recover(session: Session, recovery: Recovery) -> bool:
         session.fail(error)
         return False
     document.base_path = None
+    changes = file_changes(recovery.path)
+    if changes:
+        session.messages.info(
+            f"Restored without their undo, since they are done to files: {', '.join(changes)}",
+            where=str(document.source),
+        )
     discard(recovery.path)
     edits = len(document.history.entries)
     session.ui.notice = f"{edits} edit{'s' if edits != 1 else ''} restored"

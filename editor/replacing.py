@@ -153,7 +153,8 @@ def _same_names(document: Document, runtime: Any, rows: Any) -> tuple[int, ...]:
     """The rows of `runtime` whose paths of names are those of `rows` in the document as it stands."""
     if not rows:
         return ()
-    wanted = {path_of(document.runtime.scene.nodes, row) for row in rows}
+    present = document.runtime.scene.nodes
+    wanted = {path_of(present, row) for row in rows if row < len(present) and present.alive[row]}  # locked, then undone
     nodes = runtime.scene.nodes
     alive = [row for row in range(len(nodes.name)) if nodes.alive[row]]
     return tuple(row for row in alive if path_of(nodes, row) in wanted)

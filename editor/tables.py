@@ -173,6 +173,10 @@ class MaterialTable:
     def __init__(self, residency: Any) -> None:
         self._residency = residency
 
+    def base_of(self, row: int) -> int:
+        """The material that `row` is a variation of, or `row`."""
+        return int(getattr(getattr(self._residency, "materials", None), "base_of", int)(row))
+
     def read(self, column: str, rows: Sequence[int]) -> tuple[Any, ...]:
         if "," in column:
             names = column.split(",")
@@ -338,7 +342,14 @@ def _with_unit_rotation(column: str, value: Any) -> Any:
 def make_command(
     tables: Mapping[str, Table], table: str, column: str, rows: Sequence[int], values: Sequence[Any], label: str = ""
 ) -> Command:
-    """The command that sets `column` of `rows` to `values`, with the present values as its `before`."""
+    """The command that sets `column` of `rows` to `values`, with the present values as its `before`.
+
+    Of a material's variation it is the material itself: what one object has to itself is said in the table `objects`,
+    and saved there."""
+    bases = getattr(tables[table], "base_of", None)
+    if bases is not None:
+        of_base = {bases(row): value for row, value in zip(rows, values, strict=True)}
+        rows, values = list(of_base), list(of_base.values())
     names = column.split(",")
     for value in values:
         for name, part in zip(names, value if len(names) > 1 else (value,), strict=True):

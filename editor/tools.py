@@ -18,6 +18,8 @@ class Tools:
     local: bool = False
     measuring: bool = False
     focusing: bool = False
+    #: keys and pointer steer the camera with no button held, until a click or Escape
+    flying: bool = False
     #: the camera goes round by itself
     turning: bool = False
     points: list[NDArray[np.float64]] = field(default_factory=list)
@@ -36,4 +38,4 @@ class Tools:
     def forget(self) -> None:
         """Another document: what was measured is gone."""
         self.points.clear()
-        self.measuring = self.turning = self.focusing = False
+        self.measuring = self.turning = self.focusing = self.flying = False

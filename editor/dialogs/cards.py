@@ -18,7 +18,7 @@ from engine import __version__
 
 def _hint_table(ui: Ui, name: str) -> None:
     if imgui.begin_table(name, 2, imgui.TableFlags_.sizing_fixed_fit):
-        for gesture, what in hints(ui.session.preferences.keymap):
+        for gesture, what in hints(ui.session.preferences.keymap, ui.session.preferences.pointer):
             imgui.table_next_row()
             imgui.table_next_column()
             text(gesture, theme.ACCENT)
@@ -33,7 +33,9 @@ def _keymap_choice(ui: Ui) -> None:
         if imgui.radio_button(pretty(preset), preferences.keymap == preset):
             ui.operations.run(f"help.keymap-{preset}", ui.session)
         imgui.same_line(0, em(1.0))
-    imgui.new_line()
+    trackpad = preferences.pointer == "trackpad"
+    if imgui.checkbox("Trackpad", trackpad)[0]:
+        ui.operations.run("help.pointer-mouse" if trackpad else "help.pointer-trackpad", ui.session)
 
 
 def _size_choice(ui: Ui) -> None:

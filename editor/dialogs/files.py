@@ -120,7 +120,8 @@ class FileDialog:
         imgui.end_child()
 
     def _entry(self, ui: Ui, entry: Entry) -> None:
-        icon, color = KIND_LOOKS[entry.kind]
+        icon, tint = KIND_LOOKS[entry.kind]
+        color = theme.named(tint)
         start = imgui.get_cursor_pos_x()
         flags = imgui.SelectableFlags_.allow_double_click | imgui.SelectableFlags_.no_auto_close_popups
         if imgui.selectable(f"##{entry.name}", entry.name == self.file, flags)[0]:

@@ -44,6 +44,8 @@ class ImportCard:
         document = session.document
         if not session.ui.import_card or session.ui.welcome or document is None or not can_import(session):
             return
+        if ui.viewport_at < ui.drawn:  # it lies behind another panel, and so does what belongs to it
+            return
         assert document.imported_from is not None
         x, y, width, height = ui.viewport_area
         place = placed(width / em(1), height / em(1), self._height)
@@ -52,6 +54,8 @@ class ImportCard:
             self.folding.choose(whole=True)
         deed = document.selection, document.history.revision, session.camera
         self.folding.follow(document.news or document, deed, busy=session.importing is not None)
+        if not place.fits and self.folding.whole is not True:
+            return
         whole = place.whole if self.folding.whole is None else self.folding.whole
         name = f"{icons.MESH}  {fitted(document.imported_from.name, em(place.width - 6.8))}"
         with bold(ui):
@@ -78,14 +82,21 @@ class ImportCard:
         key = (id(document.runtime), document.history.revision)
         if key != self._key:
             self._key, self._facts = key, import_settings.facts(document)
-        for name, value in self._facts.items():
-            text(name, theme.DIM)
-            imgui.same_line(em(5.2))
-            imgui.text_unformatted(fitted(value, em(place.width - 6.5)))
+        facts = list(self._facts.items())
+        first = 1 if self._height > place.height else len(facts)  # where not all is seen, what is to be clicked is
+        self._tell(facts[:first], place.width)
         self._fixes(ui)
         self._news(ui)
-        self._height = (imgui.get_cursor_pos_y() + imgui.get_scroll_y() + imgui.get_style().window_padding.y) / em(1)
+        self._tell(facts[first:], place.width)
+        self._height = (imgui.get_cursor_pos_y() + imgui.get_style().window_padding.y) / em(1)
         imgui.end()
+
+    @staticmethod
+    def _tell(facts: list[tuple[str, str]], width: float) -> None:
+        for name, value in facts:
+            text(name, theme.DIM)
+            imgui.same_line(em(5.2))
+            imgui.text_unformatted(fitted(value, em(width - 6.5)))
 
     def _settings(self, source: Path) -> ImportSettings:
         """Read again only when the sidecar changed."""
@@ -129,7 +140,7 @@ class ImportCard:
         if busy:
             text(session.importing.text if session.importing is not None else "", theme.ACCENT)
         elif said:
-            text(fitted(", ".join(f"{k} {v}" for k, v in said.items()), em(21)), theme.FAINT)
+            text(fitted(", ".join(f"{k} {v}" for k, v in said.items()), room), theme.FAINT)
 
     def _news(self, ui: Ui) -> None:
         """What the last import noticed, and what found no place in it."""
@@ -146,14 +157,14 @@ class ImportCard:
         ]
         if news is not None and news.report is not None:
             imgui.separator()
-            imgui.push_text_wrap_pos(em(21.5))
+            imgui.push_text_wrap_pos(0.0)
             text(news.report.summary, theme.DIM)
             imgui.pop_text_wrap_pos()
             tooltip("The log has every line of it")
         for icon, color, line in lines[:LISTED]:
             text(icon, color)
             imgui.same_line(0, em(0.4))
-            imgui.text_unformatted(fitted(line, em(20)))
+            imgui.text_unformatted(fitted(line, imgui.get_content_region_avail().x))
             tooltip(line)
         if len(lines) > LISTED:
             text(f"and {len(lines) - LISTED} more, in the log", theme.FAINT)

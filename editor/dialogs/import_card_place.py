@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 #: em: how wide it is at most and at least; from the picture's edge; below the axes; worth showing unasked
-WIDTH, NARROW, EDGE, TOP, LEAST = 23.0, 9.0, 0.8, 8.0, 7.0
+WIDTH, NARROW, EDGE, TOP, LEAST = 23.0, 8.0, 0.8, 8.0, 7.0
 #: the part of the picture that it covers at most, and em that one line of it takes
 SHARE, LINE = 1.0 / 3.0, 2.4
 #: draws in which what the window does by itself, as framing what was opened, is nobody's deed
@@ -17,13 +17,14 @@ YOUNG = 5
 @dataclass(frozen=True, slots=True)
 class Place:
     """em, from the top right of the picture; `height`: at most, the rest is scrolled to. `whole`: there is room for more
-    than a line; `line`: where that begins, when it is folded."""
+    than a line; `line`: where that begins, when it is folded; `fits`: a line does."""
 
     top: float
     line: float
     width: float
     height: float
     whole: bool
+    fits: bool
 
 
 def placed(width: float, height: float, wanted: float = 1e9) -> Place:
@@ -37,7 +38,7 @@ def placed(width: float, height: float, wanted: float = 1e9) -> Place:
     wide = wide if whole else narrow
     high = max(min(room, share / wide), LINE)
     top, line = (max(min(TOP, height - EDGE - h), EDGE) for h in (min(high, wanted), LINE))
-    return Place(top, line, wide, high, whole)
+    return Place(top, line, wide, high, whole, height >= LINE + EDGE)
 
 
 class Folding:

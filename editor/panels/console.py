@@ -39,7 +39,9 @@ class ConsolePanel(Panel):
                 if not console.lines:
                     text('run("edit.duplicate")   edit("nodes", "translation", selection(), [(0, 1, 0)])', theme.FAINT)
                 for line in console.lines:
+                    imgui.push_text_wrap_pos(0.0)
                     own_text(f"> {line.text}" if line.kind == "in" else line.text, theme.named(COLORS[line.kind]))
+                    imgui.pop_text_wrap_pos()
                 if len(console.lines) != self._count:
                     self._count = len(console.lines)
                     imgui.set_scroll_here_y(1.0)
@@ -72,7 +74,10 @@ class ConsolePanel(Panel):
             word = before[max(before.rfind(c) for c in " (,=[") + 1 :]
             found = console.complete(word)
             if found:
-                data.insert_chars(data.cursor_pos, _common(found)[len(word) :])
+                further = _common(found)[len(word) :]
+                data.insert_chars(data.cursor_pos, further)
+                if len(found) > 1 and not further:
+                    console.offer(found)
         elif data.event_flag == imgui.InputTextFlags_.callback_history and console.entered:
             step = 1 if data.event_key == imgui.Key.up_arrow else -1
             self._back = min(max(self._back + step, 0), len(console.entered))

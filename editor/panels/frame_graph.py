@@ -13,15 +13,16 @@ from editor.flowing import flow_button
 from editor.graph_layout import Box, Diagram, Edge, diagram
 from editor.panels.base import Panel
 from editor.panels.timings import UNACCOUNTED, time_rows
+from editor.strings import tr
 from editor.ui import Ui
-from editor.widgets import em, empty_state, fitted, flow_text, pretty, text, tooltip
+from editor.widgets import em, empty_state, fitted, flow_text, pretty, text, tooltip, wrapped
 from editor.work import ForcedCost, MeasureLeftOut
 from engine.framegraph.dump import extent
 from engine.framegraph.resources import human_bytes, texture_bytes
 
 BOX, GAP = (11.0, 2.9), (4.6, 0.9)
-#: a box of what is left out has a line more: what it would cost
-TALL = 3.95
+#: a box of what is left out has two lines for the reason, and one for what it would cost
+TALL = 5.1
 CURVE = 0.45
 
 
@@ -49,7 +50,7 @@ class FrameGraphPanel(Panel):
         self._summary(ui, frame)
         self._measured(ui, cost if cost is not None and cost.plan is plan else None)
         if imgui.begin_child("canvas", (0, 0), 0, imgui.WindowFlags_.horizontal_scrollbar):
-            self._canvas(frame, plan, cost.passes if cost is not None and cost.plan is plan else {})
+            self._canvas(ui, frame, plan, cost.passes if cost is not None and cost.plan is plan else {})
         imgui.end_child()
 
     def _summary(self, ui: Ui, frame: Any) -> None:
@@ -114,11 +115,12 @@ class FrameGraphPanel(Panel):
                 "what it saves is within the noise", theme.DIM, f"{gain:+.2f} ms, ± {cost.noise_ms:.2f} ms", gap=0.5
             )
 
-    def _canvas(self, frame: Any, plan: Any, costs: Mapping[str, float]) -> None:
+    def _canvas(self, ui: Ui, frame: Any, plan: Any, costs: Mapping[str, float]) -> None:
         origin = imgui.get_cursor_screen_pos()
         lines = imgui.get_window_draw_list()
         drawing = self.diagram
         times = {p.name: p.ms for p in frame.stats.passes}
+        kinds = {p.name: p.kind for p in frame.stats.passes}
         longest = max([*times.values(), 1e-9])
         rects = [self._rect(origin, box) for box in drawing.boxes]
         lit = {e for e in drawing.edges if self.hovered in (e.start, e.end)}
@@ -131,9 +133,18 @@ class FrameGraphPanel(Panel):
             if imgui.is_item_hovered():
                 hovered = i
                 self._tooltip(box, plan, costs if box.reason else times)
+            if imgui.is_item_clicked() and (shown := _readable(box, plan)):
+                ui.operations.run("texture.show-target", ui.session, name=shown)
+            told = ""
+            if not box.reason:
+                size = sum(texture_bytes(plan.descs[name]) for name in box.writes if name in plan.descs)
+                kind = kinds.get(box.name, "")
+                told = f"{times[box.name]:.2f} ms {kind}" if box.name in times else ""
+                told = "   ".join(part for part in (told, human_bytes(size) if size else "") if part)
             self._box(
-                lines, box, rect, times.get(box.name), longest, bright=i == self.hovered, cost=costs.get(box.name)
-            )
+                lines, box, rect, times.get(box.name), longest, told=told, bright=i == self.hovered,
+                cost=costs.get(box.name),
+            )  # fmt: skip
         self.hovered = hovered
         imgui.set_cursor_screen_pos(origin)
         below = (drawing.rows - drawing.rows_running) * (TALL + GAP[1])
@@ -151,7 +162,7 @@ class FrameGraphPanel(Panel):
 
     def _box(
         self, lines: Any, box: Box, rect: tuple[float, float, float, float], ms: float | None, longest: float,
-        *, bright: bool, cost: float | None = None,
+        *, told: str = "", bright: bool, cost: float | None = None,
     ) -> None:  # fmt: skip
         x0, y0, x1, y1 = rect
         out = bool(box.reason)
@@ -165,17 +176,17 @@ class FrameGraphPanel(Panel):
         room = x1 - x0 - em(0.9)
         name = fitted(box.name, room)
         lines.add_text((x0 + em(0.45), y0 + em(0.3)), theme.u32(theme.FAINT if out else theme.TEXT), name)
-        below = box.reason if out else ("" if ms is None else f"{ms:.2f} ms")
-        lines.add_text(
-            (x0 + em(0.45), y0 + em(1.45)), theme.u32(theme.FAINT if out else theme.DIM), fitted(below, room)
-        )
+        rows = _two_lines(tr(box.reason), room) if out else [fitted(told, room)]
+        for i, row in enumerate(rows):
+            at = (x0 + em(0.45), y0 + em(1.45 + 1.1 * i))
+            lines.add_text(at, theme.u32(theme.FAINT if out else theme.DIM), row)
         if out:
             parts = [f"{cost:.2f} ms"] if cost is not None else []
             parts += [human_bytes(box.saved)] if box.saved else []
             line = f"saves {', '.join(parts)}" if parts else "saves no texture"
             line = line if imgui.calc_text_size(line).x <= room else line.removeprefix("saves ")
             lines.add_text(
-                (x0 + em(0.45), y0 + em(2.55)), theme.u32(theme.GOOD if parts else theme.FAINT), fitted(line, room)
+                (x0 + em(0.45), y0 + em(3.7)), theme.u32(theme.GOOD if parts else theme.FAINT), fitted(line, room)
             )
 
     def _edge(self, lines: Any, edge: Edge, rects: list[Any], plan: Any, *, bright: bool) -> None:
@@ -219,7 +230,20 @@ class FrameGraphPanel(Panel):
                         "" if desc is None else f"  {desc.format}  {extent(desc)}  {human_bytes(texture_bytes(desc))}"
                     )
                     text(f"{verb} {name}{what}", theme.DIM)
+            if _readable(box, plan):
+                text("A click shows what it writes", theme.FAINT)
         imgui.end_tooltip()
+
+
+def _readable(box: Box, plan: Any) -> str:
+    """The first texture that the pass writes and that can be looked at, or ''."""
+    return next((name for name in box.writes if name in plan.descs and plan.descs[name].samples == 1), "")
+
+
+def _two_lines(value: str, width: float) -> list[str]:
+    """`value` in one line or two, the second cut where it does not fit."""
+    rows = wrapped(value, width)
+    return rows if len(rows) < 2 else [fitted(rows[0], width), fitted(" ".join(rows[1:]), width)]
 
 
 PANEL = FrameGraphPanel

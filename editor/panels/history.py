@@ -80,7 +80,7 @@ class HistoryPanel(Panel):
         imgui.same_line(em(BESIDE if inline else INDENT))
         y = imgui.get_cursor_pos_y() + max((height - imgui.get_text_line_height()) / 2.0, 0.0)
         imgui.set_cursor_pos_y(y)
-        tag = "  saved" if saved == index else ""
+        tag = "  saved" if saved == index and imgui.get_content_region_avail().x > em(6) else ""
         room = imgui.get_content_region_avail().x - imgui.calc_text_size(tag).x
         text(fitted(label, room), theme.TEXT if index == now else theme.DIM if index < now else theme.FAINT)
         if tag:

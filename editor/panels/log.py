@@ -8,10 +8,11 @@ from imgui_bundle import imgui
 
 from editor import icons, theme
 from editor.flowing import button_width
+from editor.log_links import follow, link_of
 from editor.messages import Message
 from editor.panels.base import Panel
 from editor.ui import Ui
-from editor.widgets import em, flow, icon_button, mono, text, tooltip
+from editor.widgets import em, flow, icon_button, mono, own_text, text, tooltip
 from engine.core.findings import Severity
 
 LOOKS = {
@@ -72,12 +73,12 @@ class LogPanel(Panel):
             clipper.begin(len(self._rows))
             while clipper.step():
                 for i in range(clipper.display_start, clipper.display_end):
-                    self._row(i)
+                    self._row(ui, i)
         if grown:
             imgui.set_scroll_here_y(1.0)
         imgui.end_child()
 
-    def _row(self, index: int) -> None:
+    def _row(self, ui: Ui, index: int) -> None:
         message = self._rows[index]
         icon, color, _name = LOOKS[message.severity]
         start = imgui.get_cursor_pos_x()
@@ -95,10 +96,24 @@ class LogPanel(Panel):
         text(message.text, theme.TEXT)
         if message.where:
             imgui.same_line(0, em(0.6))
-            text(message.where, theme.DIM)
+            self._place(ui, message.where)
         if message.hint:
             imgui.same_line(0, em(0.6))
             text(f"→ {message.hint}", theme.INFO)
+
+    def _place(self, ui: Ui, where: str) -> None:
+        """Where it is; a click goes there where there is something to show."""
+        link = link_of(where, ui.session)
+        own_text(where, theme.DIM if link is None else theme.INFO)
+        if link is None:
+            return
+        if imgui.is_item_hovered():
+            imgui.set_mouse_cursor(imgui.MouseCursor_.hand)
+            low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
+            imgui.get_window_draw_list().add_line((low.x, high.y), (high.x, high.y), theme.u32(theme.INFO))
+        tooltip("A click shows it")
+        if imgui.is_item_clicked():
+            follow(link, ui.session)
 
 
 PANEL = LogPanel

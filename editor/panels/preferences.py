@@ -9,10 +9,13 @@ from imgui_bundle import imgui
 
 from editor import icons, theme
 from editor.flowing import button_width, flow_button
+from editor.habit_operations import BACKGROUNDS
 from editor.keymap import PRESET_KEYS
 from editor.keys import pressed_shortcut, shown_shortcut
+from editor.navigation import POINTERS
 from editor.operations import Operation, match_score
 from editor.panels.base import Panel
+from editor.preferences import IN_BACKGROUND
 from editor.requests import ChooseFile
 from editor.strings import LANGUAGES, tr, verbatim
 from editor.ui import Ui
@@ -30,6 +33,9 @@ from editor.widgets import (
 )
 from engine.core.errors import LucarnaError
 from engine.core.paths import user_config_dir
+
+#: limits of pictures a second to choose from
+FPS_LIMITS = (15, 30, 60, 120)
 
 
 class PreferencesPanel(Panel):
@@ -72,6 +78,29 @@ class PreferencesPanel(Panel):
                     ui.operations.run(id, ui.session)
                 imgui.same_line(0, em(0.3))
             text(f"{preferences.ui_scale * 100:.0f} %", theme.DIM)
+            self._habits(ui)
+
+    def _habits(self, ui: Ui) -> None:
+        preferences, run = ui.session.preferences, ui.operations.run
+        property_row("Pointer", "On a trackpad two fingers pan or orbit, as the keymap says, and a pinch zooms")
+        names = [tr(pretty(pointer)) for pointer in POINTERS]
+        changed, chosen = imgui.combo("##pointer", POINTERS.index(preferences.pointer), names)
+        if changed:
+            run(f"help.pointer-{POINTERS[chosen]}", ui.session)
+        property_row("Reverse scrolling", "Two fingers and the wheel go the other way")
+        if imgui.checkbox("##reverse", preferences.reverse_scroll)[0]:
+            run("help.reverse-scroll", ui.session)
+        property_row("Behind another window", "What animation does meanwhile; minimised, it always stops")
+        names = [tr(BACKGROUNDS[choice]) for choice in IN_BACKGROUND]
+        changed, chosen = imgui.combo("##background", IN_BACKGROUND.index(preferences.in_background), names)
+        if changed:
+            run(f"view.background-{IN_BACKGROUND[chosen]}", ui.session)
+        property_row("Pictures a second", "At most, while something moves; still windows draw none")
+        names = [tr("as the display")] + [str(limit) for limit in FPS_LIMITS]
+        now = FPS_LIMITS.index(preferences.fps_limit) + 1 if preferences.fps_limit in FPS_LIMITS else 0
+        changed, chosen = imgui.combo("##fps", now, names)
+        if changed:
+            run("view.fps-limit", ui.session, fps=FPS_LIMITS[chosen - 1] if chosen else 0)
 
     # --- keys ---
 

@@ -22,7 +22,7 @@ from editor import (
 from editor.camera_controls import OrbitCamera
 from editor.compare_overlay import CompareOverlay
 from editor.gizmo_widget import GizmoWidget
-from editor.navigation import WHEEL, motion_for
+from editor.navigation import motion_for, wheel_motion
 from editor.panels import document_tabs, timeline, viewport_drop, viewport_strip
 from editor.panels.base import Panel
 from editor.panels.timings import short_count
@@ -35,6 +35,8 @@ CLICK_SLOP = 0.25
 WHEEL_STEP = 0.88
 FLY_KEYS = {"w": (0, 0, 1), "s": (0, 0, -1), "a": (-1, 0, 0), "d": (1, 0, 0), "q": (0, -1, 0), "e": (0, 1, 0)}
 BUTTONS = ("left", "right", "middle")
+#: stands for the button of a flight that needs none
+HANDS_FREE = -1
 
 
 class ViewportPanel(Panel):
@@ -192,10 +194,13 @@ class ViewportPanel(Panel):
                     self._button, self._travel = index, 0.0
                     self._start, self._pressed = (io.mouse_pos.x, io.mouse_pos.y), self.marker
                     self._pressed_bone = self.bone
+                    session.tools.flying = False
                     imgui.set_window_focus()
+            if session.tools.flying and not self.motion:
+                self.motion, self._button, self._travel = "fly", HANDS_FREE, 0.0
         if self.motion:
             self._travel += abs(io.mouse_delta.x) + abs(io.mouse_delta.y)
-            if imgui.is_mouse_down(self._button):
+            if self._held(ui):
                 if self._travel > em(CLICK_SLOP) or self.motion == "fly":
                     self._move(ui, io.mouse_delta.x, io.mouse_delta.y, height, io.delta_time)
             else:
@@ -211,6 +216,17 @@ class ViewportPanel(Panel):
             imgui.set_mouse_cursor(imgui.MouseCursor_.resize_all)
         if hovered or self.flying:
             self._wheel(ui, (io.mouse_pos.x - x) / width, (io.mouse_pos.y - y) / height, width / height, height)
+
+    def _held(self, ui: Ui) -> bool:
+        """Whether the motion goes on: its button is down, or nothing has ended a flight without one."""
+        if self._button != HANDS_FREE:
+            return bool(imgui.is_mouse_down(self._button))
+        tools = ui.session.tools
+        if any(map(imgui.is_mouse_clicked, range(3))) or imgui.is_key_pressed(imgui.Key.escape, False):
+            tools.flying = False
+        if any(imgui.is_key_down(getattr(imgui.Key, letter_at(key))) for key in FLY_KEYS):
+            ui.again_in(0.0)
+        return tools.flying
 
     def _click(self, ui: Ui, u: float, v: float) -> None:
         io, session = imgui.get_io(), ui.session
@@ -257,14 +273,15 @@ class ViewportPanel(Panel):
 
     def _wheel(self, ui: Ui, u: float, v: float, aspect: float, height: float) -> None:
         io, session = imgui.get_io(), ui.session
-        wheel, side = io.mouse_wheel, io.mouse_wheel_h
+        way = -1.0 if session.preferences.reverse_scroll else 1.0
+        wheel, side = way * io.mouse_wheel, way * io.mouse_wheel_h
         if not wheel and not side:
             return
         if self.flying:
             session.preferences.fly_speed = min(max(session.preferences.fly_speed * 1.15**wheel, 0.001), 1000.0)
             session.ui.notice = f"Fly speed × {session.preferences.fly_speed:.2g}"
             return
-        motion = WHEEL.get(_modifiers(), "zoom")
+        motion = wheel_motion(session.preferences.keymap, _modifiers(), session.preferences.pointer)
         if motion == "pan":
             session.camera = camera_controls.pan(session.camera, side * em(2), wheel * em(2), height)
         elif motion == "orbit":

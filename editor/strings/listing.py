@@ -24,7 +24,8 @@ EFFECTS = EDITOR.parent / "shaders" / "effects"
 SHOWING = {
     "tr": (0,), "text": (0,), "tooltip": (0,), "flow_text": (0, 2), "fitted_text": (0,), "section": (1,),
     "icon_button": (0, 1), "bare_button": (0,), "search_field": (2,), "property_row": (0, 1),
-    "property_text": (0, 1, 2), "empty_state": (1, 2), "chip": (2,),
+    "property_text": (0, 1, 2), "empty_state": (1, 2), "chip": (2,), "flow_button": (0, 1), "wide_button": (0, 1),
+    "flow_icon": (2,), "wrapped_text": (0,),
     "combo": (0,), **dict.fromkeys(LABELS, (0,)), **{n: (p,) for n, p in TEXTS.items()},
     **dict.fromkeys(HINTED, (0, 1)),
 }  # fmt: skip

@@ -19,6 +19,7 @@ import os
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import fields, is_dataclass, replace
+from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
@@ -33,6 +34,9 @@ FIELDS: dict[str, tuple[str, ...]] = {
     "name": ("name",), "place": ("translation", "rotation", "scale", "matrix"), "visible": ("visible",),
     "mesh": ("mesh",), "light": ("light",), "camera": ("camera",), "weights": ("weights",),
 }  # fmt: skip
+
+
+_everything = attrgetter(*(name for names in FIELDS.values() for name in names))
 
 
 def has_instances(asset: SceneAsset) -> bool:
@@ -124,6 +128,8 @@ def changed_fields(asset: SceneAsset, root: int, prefab: Sequence[NodeAsset]) ->
 def own_fields(node: NodeAsset, prefab: NodeAsset) -> list[str]:
     """The FIELDS in which `node` is other than its prefab has it, but for what tables round: turns are kept at unit
     length, lights in float32."""
+    if _everything(node) == _everything(prefab):  # most are
+        return []
     return [
         field for field, names in FIELDS.items() if any(differ(getattr(node, n), getattr(prefab, n)) for n in names)
     ]

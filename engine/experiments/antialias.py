@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from engine.experiments.harness.context import Context, OpenScene
 from engine.experiments.harness.experiment import Experiment, Knobs, Outcome, Trial
-from engine.experiments.harness.moving_shapes import left_behind, thin_line
+from engine.experiments.harness.moving_shapes import edges, left_behind, thin_line
 from engine.experiments.harness.pictures import beside_truth
 from engine.experiments.harness.pixel_truth import redrawn
 from engine.experiments.harness.scenes import MADE, open_scene, own_or, short
@@ -39,6 +39,8 @@ SCENES = (MADE + "metals", MADE + "blocks")
 STEP, TURNED = math.radians(0.25), 16
 #: pixels of the truth for each pixel, each way
 FINER = 8
+#: degrees that an edge is turned by
+ANGLES = (0.0, 2.0, 7.0, 14.0, 22.0, 31.0, 35.0, 40.0, 43.5, 45.0)
 
 
 def size(ctx: Context) -> tuple[int, int]:
@@ -135,29 +137,70 @@ def tables(ctx: Context, points: Sequence[Point]) -> Iterator[Table]:
             "What keeps nothing between frames has one picture for both: the last one of the turn looks from the same"
             " place.",
         )  # fmt: skip
+    yield by_angle(ctx)
+    yield memory()
     yield in_motion(ctx)
+
+
+def modes(ctx: Context) -> dict[str, dict[str, Any]]:
+    """The ways to smooth edges, by name."""
+    found: dict[str, dict[str, Any]] = {"none": {"samples": 1}}
+    if not ctx.quick:
+        found["fxaa"] = {"samples": 1, "antialias": "fxaa"}
+        found["smaa, lines alone"] = {"samples": 1, "antialias": "smaa", "smaa_patterns": "lines"}
+        found["smaa"] = {"samples": 1, "antialias": "smaa"}
+        found["taa 16, thin 0"] = {"samples": 1, "antialias": "taa", "taa_frames": 16, "taa_thin": 0.0}
+    found["taa 16"] = {"samples": 1, "antialias": "taa", "taa_frames": 16}
+    return found | {f"msaa {n}": {"samples": n} for n in ((4,) if ctx.quick else (4, 8)) if has_samples(ctx, n)}
+
+
+def by_angle(ctx: Context) -> Table:
+    """One edge and four corners: where filters of the finished picture know what they see, and where not."""
+    assert ctx.device is not None, "the experiment needs a device"
+    angles = (0.0, 35.0) if ctx.quick else ANGLES
+    rows = []
+    for mode, how in modes(ctx).items():
+        found = [edges(ctx.device, how, math.radians(angle)) for angle in angles]
+        rows.append(
+            [mode, *(f"{error:.1f}" for error in found), f"{math.sqrt(sum(e * e for e in found) / len(found)):.1f}"]
+        )
+    return Table(
+        "A bright card, turned by so many degrees: rmse of the pixels that it covers in part",
+        ["mode", *(f"{angle:g}" for angle in angles), "rms of all"], rows,
+        "In 255ths of the card's light, at rest, against the covered parts of pixels. With 0 its edges are upright.",
+    )  # fmt: skip
+
+
+def memory() -> Table:
+    """What TAA keeps from frame to frame."""
+    width, height = 1920, 1080
+    kept = (("mean of the frames", "rgba16f", 8), ("what was seen: depth, what flickers, motion", "rgba16f", 8))
+    rows = [[what, form, f"{2 * size * width * height / 1e6:.0f}"] for what, form, size in kept]
+    rows.append(["motion", "rg16f", f"{4 * width * height / 1e6:.0f}"])
+    return Table(
+        f"What TAA holds at {width}x{height}", ["texture", "format", "MB"], rows, "Kept ones twice: old and new."
+    )
 
 
 def in_motion(ctx: Context) -> Table:
     """What a frame drags along, and what becomes of a line thinner than a pixel."""
-    filters = ("none",) if ctx.quick else ("none", "fxaa", "smaa")
-    modes: dict[str, dict[str, Any]] = {form: {"samples": 1, "antialias": form} for form in filters}
-    modes |= {"taa 16": {"samples": 1, "antialias": "taa", "taa_frames": 16}}
-    modes |= {f"msaa {n}": {"samples": n} for n in ((4,) if ctx.quick else (4, 8)) if has_samples(ctx, n)}
     assert ctx.device is not None, "the experiment needs a device"
     rows = []
-    for mode, settings in modes.items():
-        lines = thin_line(ctx.device, settings, 0.0), thin_line(ctx.device, settings)
+    for mode, how in modes(ctx).items():
+        still, moving = thin_line(ctx.device, how, 0.0), thin_line(ctx.device, how)
+        restless = thin_line(ctx.device, how, 0.0, restless=True)
         rows.append([
-            mode, f"{100.0 * left_behind(ctx.device, settings):.2g} %",
-            *(f"{100.0 * line.light:.3g} %" for line in lines),
-            f"{100.0 * lines[1].flicker:.2g} %", f"{100.0 * lines[1].gaps:.2g} %",
+            mode, f"{100.0 * left_behind(ctx.device, how):.2g} %",
+            *(f"{100.0 * line.light:.3g} %" for line in (still, moving, restless)),
+            f"{100.0 * moving.flicker:.2g} %", f"{100.0 * moving.gaps:.2g} %",
         ])  # fmt: skip
     return Table(
         "What moves: a card that goes 3 pixels a frame, and a line of half a pixel that goes a third of one",
-        ["mode", "light left behind the card", "light of the line at rest", "moving", "flickers by", "missing"], rows,
+        ["mode", "light left behind the card", "light of the line at rest", "moving", "at rest, others move",
+         "flickers by", "missing"], rows,
         "Left behind: the brightest pixel that the card is not near any more, of the card's light. The line: of"
-        " the light that it has; standard deviation from frame to frame; columns with less than a quarter of it.",
+        " the light that it has; standard deviation from frame to frame while it moves; columns with less than a"
+        " quarter of it then.",
     )  # fmt: skip
 
 

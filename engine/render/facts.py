@@ -35,6 +35,7 @@ class SceneFacts:
     area_lights: bool = False  # a rectangle or disk shines
     light_profiles: bool = False  # a light with an IES profile shines
     transmission: bool = False  # a surface shows what is behind it, refracted
+    refraction: str = "straight"  # how: REFRACTIONS of engine/render/settings.py
     quality: str = "auto"  # level of techniques: low, medium, high, or the highest that the device can do
     stencil: bool = False  # a technique of what is drawn tests or writes it
     ambient_occlusion: Occlusion = field(default_factory=Occlusion)
@@ -66,7 +67,7 @@ class SceneFacts:
 
     def variant_defines(self) -> dict[str, int]:
         """The macros of the surface shaders: absent light costs nothing. With `force_all` every branch is in."""
-        from engine.render.settings import DEBUG_VIEWS
+        from engine.render.settings import DEBUG_VIEWS, REFRACTIONS
 
         return {
             "ENVIRONMENT": int(self.environment or self.indirect.wanted or self.planar.wanted or self.force_all),
@@ -78,6 +79,7 @@ class SceneFacts:
             "INDIRECT": int(self.indirect.wanted or self.force_all),
             "GATHERED": int(self.indirect.gather or self.force_all),
             "REFLECTIONS": int(self.indirect.reflections or self.force_all),
+            "REFRACTION": REFRACTIONS.index(self.refraction),
             "PLANAR_MIRRORS": int(self.planar.wanted or self.force_all),
             "LOCAL_LIGHTS": int(self.local_lights or self.force_all),
             "DEBUG_VIEW": DEBUG_VIEWS.index(self.debug_view),

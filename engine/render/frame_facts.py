@@ -11,6 +11,7 @@ from engine.render.gi.choice import indirect_of
 from engine.render.look import tone_map_of
 from engine.render.occlusion import occlusion_of
 from engine.render.planar.choice import planar_of
+from engine.render.refraction import refraction_of
 from engine.render.scene_rows import SceneRows
 from engine.render.settings import LIT_LOOK, ON_BLACK
 from engine.render.shadows.floor import floor_wanted
@@ -32,6 +33,7 @@ def facts_of(
         opaque=draws.has_solid,
         transparent=draws.has_blended,
         transmission=draws.has_transmissive,
+        refraction=refraction_of(settings, draws.has_transmissive),
         suns=rows.lights.sun_count > 0,
         local_lights=rows.lights.count > 0,
         environment=lit,

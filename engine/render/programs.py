@@ -208,4 +208,6 @@ def _beside(state: DrawState, arena: MeshArena, facts: SceneFacts, effect: Effec
         found += [layers.layer_request(state, arena, facts, effect, n) for n in range(facts.indirect.layers)]
     if facts.translucent_shadows and tints_light(state, effect):
         found.append(tints.tint_request(state, arena, facts, effect))
+    if facts.translucent_lamps and tints_light(state, effect):
+        found.append(tints.tint_request(state, arena, facts, effect, lamps=True))
     return found

@@ -47,6 +47,8 @@ VIEW_LEGENDS = {
     "shadow_texels": "texels a metre of the sun's shadow map, in cells of 8 texels; grey where it has none",
     "shadow_maps": "the sun's cascades from near to far, then the map of lamps: white near the light",
 }
+#: how transmissive bodies show what is behind them
+REFRACTIONS = ("straight", "bent", "tested")
 #: the lit picture, dimmed, with what is no number marked
 NONFINITE = "nonfinite"
 
@@ -126,8 +128,8 @@ class RenderSettings(ParamBlock):
     shadows: bool = param(True, doc="the sun (the first one) casts shadows")
     shadow_filter: str = param(
         "auto", choices=FILTER_CHOICES,
-        doc="auto: by device; none: texels; pcf: 2x2; vogel, poisson: lookups in a disc; pcss: soft away from what"
-        " casts; esm, vsm, evsm, msm: blurred maps, any softness at one lookup (the sun's; lamps take vogel8)",
+        doc="auto, pcf: 2x2 texels; none: one; vogel, poisson: lookups in a disc; pcss: soft away from what"
+        " casts; esm, vsm, evsm, msm: blurred maps, any softness at one lookup",
     )  # fmt: skip
     shadow_precision: str = param(
         "single", choices=PRECISIONS, doc="numbers of blurred maps; half: half the memory, more light leaks"
@@ -139,7 +141,7 @@ class RenderSettings(ParamBlock):
         0.15, min=0.0, max=0.9, step=0.01, doc="blurred maps: light up to this part is none; more: darker penumbrae"
     )
     translucent_shadows: bool = param(
-        False, doc="blended surfaces tint the sun's light by their colour, as much as their alpha says"
+        False, doc="blended surfaces tint the light that casts shadows, by their colour and as much as their alpha says"
     )
     shadow_cascades: int = param(DEFAULT.cascades, min=1, max=8, doc="shadow maps for near to far")
     shadow_size: int = param(DEFAULT.size, min=16, max=8192, unit="px", doc="width of each shadow map")
@@ -220,6 +222,11 @@ class RenderSettings(ParamBlock):
         0.0, min=0.0, max=1e6, step=0.1, unit="m", doc="how far they see; 0 = by the scene"
     )
     reflection_steps: int = param(32, min=4, max=256, doc="places along a mirrored ray")
+    refraction: str = param(
+        "tested", choices=REFRACTIONS,
+        doc="bodies that light passes: tested: bend it, and never show what is in front of them; bent: may do so, and take"
+        " less time; straight: bend nothing",
+    )  # fmt: skip
     planar_mirrors: int = param(
         2, min=0, max=4,
         doc="planes at most in which flat surfaces of materials with planar_reflection mirror the scene, the largest in"

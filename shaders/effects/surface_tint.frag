@@ -1,8 +1,11 @@
-// What a blended surface is to the sun's light: a filter. Alpha: its depth in the map, of which the nearest is kept.
+// What a blended surface is to light: a filter. Alpha: its depth in the map, of which the nearest is kept.
 // After McGuire and Mara 2017, "Phenomenological transparency": of the light that meets it a surface lets 1 - alpha pass
 // beside it, and alpha times its colour through it.
 #include "lib/math.glsl"
 
+#ifndef LAMPS
+#define LAMPS 0
+#endif
 // effects without layers do not know these
 #ifndef TRANSMISSION
 #define TRANSMISSION 0
@@ -56,5 +59,9 @@ void main()
 #endif
     vec3 left = mix(vec3(1.0), clamp(sanitise(color.rgb), 0.0, 1.0), coverage(color.a));
     if (left == vec3(1.0)) discard;  // not there, as far as light knows
+#if LAMPS
+    o_tint = vec4(left, min(gl_FragCoord.w, 65504.0));  // 1 at the tile's farthest, more nearer by
+#else
     o_tint = vec4(left, gl_FragCoord.z);
+#endif
 }

@@ -28,7 +28,7 @@ void main()
                 ivec2 texel = middle + ivec2(x, y);
                 if (any(lessThan(texel, ivec2(0))) || any(greaterThan(texel, last))) continue;
                 float other = surface_depth(texel * STRIDE);
-                if (!(other > 0.0)) continue;
+                if (!(other > 0.0) || is_floor(texel * STRIDE, other) != is_floor(own, depth)) continue;
                 float off = abs(dot(place_at(texel * STRIDE, other) - p, n));
                 // the outer rows count half: the window is one period wide
                 float weight = (abs(x) == 2 ? 0.5 : 1.0) * (abs(y) == 2 ? 0.5 : 1.0) * sat(1.0 - off / slack);

@@ -41,11 +41,11 @@ vec2 stair(ivec2 corner, ivec2 going, ivec2 turn)
     return vec2(float(2 * STEPS), 0.0);
 }
 
-// Whether one of the crossing edges at `corner`, beyond (x) and on this side (y), goes on: then it is a corner of something
-// and no step of a slanted line.
-bool is_corner(vec2 crossing, ivec2 corner, ivec2 across)
+// Whether no step of a slanted line is at `corner`: neither beyond (x) nor on this side (y) is a crossing edge, or it goes
+// on, and is a corner of something.
+bool no_step(vec2 crossing, ivec2 corner, ivec2 across)
 {
-    return (crossing.x > 0.5 && edge(corner + across, across)) || (crossing.y > 0.5 && edge(corner - across, -across));
+    return crossing.x + crossing.y < 0.5 || (crossing.x > 0.5 && edge(corner + across, across)) || (crossing.y > 0.5 && edge(corner - across, -across));
 }
 
 // Along the edge above pixel p (`across` points to the pixel beyond it): `own` picks that edge, 1 - own the crossing ones.
@@ -84,15 +84,8 @@ vec2 parts_of(ivec2 p, ivec2 along, ivec2 across, vec2 own)
         if (last.x + last.y > 0.5 || dot(edges_at(q), own) < 0.5) break;
     }
 #if PATTERNS
-    bool sharp_first = is_corner(first, begins - before * along, across);
-    bool sharp_last = is_corner(last, ends + after * along, across);
-    if (sharp_first || sharp_last) {
-        // what is cut off by a corner lies, seen over many, evenly about the line
-        float h0 = sharp_first ? 0.0 : 0.5 * (first.x - first.y);
-        float h1 = sharp_last ? 0.0 : 0.5 * (last.x - last.y);
-        float length = float(before + after + 1);
-        return area_of_line(0.0, h0, length, h1, float(before));
-    }
+    // from corner to corner it is upright, as far as one can see
+    if (no_step(first, begins - before * along, across) && no_step(last, ends + after * along, across)) return vec2(0.0);
 #endif
     return smaa_area(first, last, float(before + after + 1), float(before));
 }

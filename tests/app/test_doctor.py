@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import argparse
 import json
+from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
+from editor.fonts import cjk_font
 from engine.app import doctor, system_libraries
 from engine.app.system_libraries import REQUIREMENTS, distribution, has_driver, install_hint, missing, packages
 from engine.core.errors import DeviceError
 from engine.gpu.types import Caps
 from importers.cli import doctor as command
+from importers.glyphs import lacking
 
 CAPS = Caps("gl", "Imaginary 3000", "4.6", False, True, True, True, 16384, 2048, 16.0, 2**27, 1024, True,
             frozenset({"B", "A"}))  # fmt: skip
@@ -148,12 +151,50 @@ def test_drivers_are_found_by_their_files(tmp_path: Path, monkeypatch: pytest.Mo
 
 def test_the_command_prints_json(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(doctor, "examine", lambda: doctor.Report([doctor.Check("a", "ok", "b")], {"device": "x"}))
+    monkeypatch.setattr(command, "font_check", lambda: doctor.Check("font", "ok", "c"))
     parser = argparse.ArgumentParser()
     command.add_arguments(parser)
     assert command.run(parser.parse_args(["--json"])) == 0
     assert json.loads(capsys.readouterr().out)["checks"][0]["name"] == "a"
     assert command.run(SimpleNamespace(json=False)) == 0  # type: ignore[arg-type]  # a test double
-    assert capsys.readouterr().out == "ok    a  b\n"
+    assert capsys.readouterr().out == "ok    a     b\nok    font  c\n"
+
+
+@pytest.fixture
+def no_font(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    cjk_font.cache_clear()
+    monkeypatch.setattr("editor.fonts.KNOWN", {})
+    monkeypatch.setattr("editor.fonts._by_fontconfig", lambda: None)
+    yield
+    cjk_font.cache_clear()
+
+
+@pytest.mark.usefixtures("no_font")
+def test_without_a_chinese_font_it_says_what_to_do(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.delenv("LUCARNA_FONT", raising=False)
+    check = command.font_check()
+    assert check.status == "warn"
+    assert "LUCARNA_FONT" in check.hint
+    cjk_font.cache_clear()
+    monkeypatch.setenv("LUCARNA_FONT", str(tmp_path / "gone.ttf"))
+    assert "gone.ttf, which is not there" in command.font_check().found
+    (tmp_path / "broken.ttf").write_bytes(b"no font")
+    cjk_font.cache_clear()
+    monkeypatch.setenv("LUCARNA_FONT", str(tmp_path / "broken.ttf"))
+    assert "cannot be read as a font" in command.font_check().found
+
+
+@pytest.mark.usefixtures("no_font")
+def test_a_font_without_the_glyphs_is_told_apart(monkeypatch: pytest.MonkeyPatch) -> None:
+    import imgui_bundle
+
+    roboto = Path(imgui_bundle.__file__).parent / "assets/fonts/Roboto/Roboto-Regular.ttf"
+    assert lacking(roboto, 0, "Undo") == ""
+    assert lacking(roboto, 0, "Undo 撤销") == "撤销"
+    monkeypatch.setenv("LUCARNA_FONT", str(roboto))
+    check = command.font_check()
+    assert check.status == "warn"
+    assert f"lacks {command.SAMPLE}" in check.found
 
 
 @pytest.mark.gl

@@ -44,8 +44,8 @@ def test_sizes_and_memory(document: Document) -> None:
     assert texture.bytes == 4 * (4 * 2 + 2 * 1 + 1), "one layer with its mips"
     assert (texture.disk, texture.users) == (50, ("paint: base color",))
     assert [(m.name, m.textures, m.parts) for m in report.materials] == [("paint", 1, 1), ("steel", 0, 1)]
-    assert dict((what, amount) for what, amount, _doc in report.totals)["Triangles"] == "12, drawn 24"
-    assert dict((what, amount) for what, amount, _doc in report.totals)["On disk"] == "150 B"
+    assert {what: amount for what, amount, _doc in report.totals}["Triangles"] == "12, drawn 24"
+    assert {what: amount for what, amount, _doc in report.totals}["On disk"] == "150 B"
     assert report.counts == {Severity.WARNING: 1}
 
 
@@ -59,4 +59,4 @@ def test_all_of_it_as_text(document: Document) -> None:
     assert told.startswith("a.glb\nMemory\t")
     assert "box\t24\t12\t2\t624" in told
     assert "paint.dds\trgba8\t4x2\t3\t44\tpaint: base color" in told
-    assert "warning: nodes[0]: something odd" in told
+    assert told.endswith("nodes[0]: something odd")

@@ -28,6 +28,14 @@ def said(console: Console, kind: str) -> list[str]:
     return [line.text for line in console.lines if line.kind == kind]
 
 
+def test_operations_and_nodes_are_completed_after_a_quote(console: Console) -> None:
+    assert console.complete('"edit.dupl') == ['"edit.duplicate']
+    assert console.complete("'li") == ["'lid"]
+    assert console.complete("'thing that is not") == []
+    console.offer([f"name{i}" for i in range(50)])
+    assert said(console, "did")[-1].endswith("name39 and 10 more")
+
+
 def test_what_it_edits_can_be_undone(console: Console) -> None:
     document = console.session.document
     assert document is not None

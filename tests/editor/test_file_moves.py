@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 from real_session import opened, real_session
 from small_scene import write_small_scene
 
 from editor import file_moves, journal, recovering, tabs
 from editor.builtin_operations import builtin_operations
+from editor.commands import structure
 from editor.session import Session
 from engine.assets.scene_json import read_scene
 from engine.core.errors import InputError
@@ -171,6 +173,15 @@ def test_undo_and_redo_keep_what_was_written_since(session: Session, project: Pa
     assert "crimson.material.toml" in late.read_text()
 
 
+def test_what_was_locked_and_is_gone_is_not_in_the_way(session: Session, project: Path) -> None:
+    document = opened(session, project / "scenes/boxes.scene.json")
+    structure.add_empty(document, np.eye(4))
+    document.locked.update(document.selection)
+    session.undo()
+    assert file_moves.move(session, project / "scenes/boxes.red.material.toml", project / "red.material.toml")
+    assert not document.locked
+
+
 def test_looking_at_an_earlier_state_moves_no_file(session: Session, project: Path) -> None:
     document = opened(session, project / "scenes/boxes.scene.json")
     assert file_moves.move(session, project / "scenes/boxes.red.material.toml", project / "red.material.toml")
@@ -197,11 +208,13 @@ def test_edits_round_a_move_survive_a_crash(session: Session, project: Path, tmp
     session.undo()
     session.undo()
     session.undo()  # the very first edit, from before the move
+    assert file_moves.move(session, project / "notes/todo.txt", project / "notes/done.txt")
     session.edit("materials", "roughness", (0,), (0.125,))
     recovering.leave(session)
     again = real_session(tmp_path / "again")
     (left,) = journal.pending(tmp_path / "recovery")
     assert recovering.recover(again, left), again.ui.error_bar
+    assert any(m.text.endswith("done to files: Rename todo.txt to done.txt") for m in again.messages.snapshot())
     document = again.document
     assert document is not None
     assert document.scene_path == project / "scenes/boxes.scene.json"

@@ -18,6 +18,11 @@ def test_it_ends_inside_the_picture_and_covers_no_more_than_a_third_of_it(size: 
     assert placed(*size, wanted=3.0).top >= place.top, "what takes less stays below the axes"
 
 
+def test_a_picture_of_less_than_a_line_has_no_card() -> None:
+    assert not placed(18.0, 0.8).fits
+    assert placed(18.0, 5.0).fits
+
+
 def drawn(folding: Folding, news: object, deed: object, times: int = 1, *, busy: bool = False) -> bool | None:
     for _ in range(times):
         folding.follow(news, deed, busy=busy)

@@ -11,4 +11,5 @@ def test_random_operations_undo_and_kills() -> None:
     assert outcome.operations >= 160
     assert outcome.kills >= 3
     assert outcome.restored >= 1
+    assert outcome.open >= 2, "one document at a time would not show what they share"
     assert sum(outcome.counts.values()) >= 130, "the walk was counted"

@@ -8,7 +8,7 @@ from fake_engine import FakeHost
 from editor.builtin_operations import builtin_operations
 from editor.operations import Operation, Operations, match_score
 from editor.session import Session
-from engine.core.errors import UsageError
+from engine.core.errors import InputError, UsageError
 
 
 def test_ids_and_shortcuts_are_unique() -> None:
@@ -43,6 +43,19 @@ def test_an_unknown_operation_is_an_error_and_a_disabled_one_is_not_run() -> Non
     with pytest.raises(UsageError):
         builtin_operations().run("view.nowhere", session)
     assert not builtin_operations().run("view.frame-all", session)
+
+
+def test_what_a_key_asks_and_is_refused_is_in_the_error_bar() -> None:
+    session = Session(FakeHost())
+    operations = builtin_operations()
+
+    def refuse(session: Session) -> None:
+        raise InputError("it is gone")
+
+    operations.add(Operation("test.refuse", "Refuse", refuse))
+    assert not operations.attempt("test.refuse", session)
+    assert "it is gone" in session.ui.error_bar
+    assert session.failure is not None
 
 
 @pytest.mark.parametrize("pattern", ["frame all", "FRAME", "fa", "view frame", ""])

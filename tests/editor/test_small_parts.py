@@ -250,7 +250,7 @@ def test_a_missing_file_and_a_missing_display_are_said_before_a_window_opens(
     from editor.command import run
     from engine.core.errors import DeviceError
 
-    args = SimpleNamespace(path=tmp_path / "no.glb", screenshot=None, frames=3, size="800x600", select="")
+    args = SimpleNamespace(path=tmp_path / "no.glb", screenshot=None, frames=3, size="800x600", select="", fps=None)
     with pytest.raises(InputError, match="no such file"):
         run(args)
     args.path = None

@@ -37,11 +37,14 @@ def main() -> None:
 
 def _walk(order: dict[str, Any], folder: Path, trace: IO[str], answer: dict[str, Any]) -> None:
     homes = [folder / name for name in ("stage", "second", "third")]
-    for number, home in enumerate(homes):
+    for number, home in enumerate(homes[:2]):
         stage.write_stage(home, animated=order["animated"] != (number == 1))
+    stage.write_source(homes[2])
     session = stage.open_session(folder)
     walk = Walk(session, trace, homes)
     answer["restored"] = _restore(session, walk, folder)
+    walk.keep_up()
+    walk.open(next(home for home in homes if all(w.home != home for w in walk.watched)))
     walk.keep_up()
     dice = random.Random(order["seed"])
     kill_at, kill_how = order["kill_at"], order["kill_how"]
@@ -113,7 +116,7 @@ def _restore_one(
 
 def _die(folder: Path, answer: dict[str, Any], walk: Walk, session: Session, *, torn: bool) -> None:
     """Be killed now. `torn`: half a line of the journal in front had reached the disk."""
-    answer["counts"] = walk.counts
+    answer["counts"], answer["open"] = walk.counts, walk.most
     _report(folder, answer)
     told: dict[str, Any] = {}
     key_of = {watched.document: watched.key for watched in walk.watched}

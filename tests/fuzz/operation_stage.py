@@ -10,19 +10,22 @@ from collections.abc import Collection
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [p for p in (str(ROOT), str(ROOT / "tests" / "editor" / "support")) if p not in sys.path]
 
 from animated_scene import NullHost, write_animated_scene  # noqa: E402  (the path is set above)
 from edited_stage import state, without_view  # noqa: E402  (the path is set above)
 from small_scene import write_small_scene  # noqa: E402  (the path is set above)
+from small_source import write_small_source  # noqa: E402  (the path is set above)
 
 from editor.document import Document  # noqa: E402  (the path is set above)
-from editor.host import Resolved  # noqa: E402  (the path is set above)
+from editor.host import EngineHost, Resolved  # noqa: E402  (the path is set above)
 from editor.preferences import Preferences  # noqa: E402  (the path is set above)
-from editor.saving import edited_scene  # noqa: E402  (the path is set above)
+from editor.saving import current_scene, edited_scene  # noqa: E402  (the path is set above)
 from editor.session import Session  # noqa: E402  (the path is set above)
-from engine.assets.scene import CameraAsset, LightAsset, MeshRef, NodeAsset  # noqa: E402  (the path is set above)
+from engine.assets.scene import CameraAsset, LightAsset, MeshRef, NodeAsset, SceneAsset  # noqa: E402  (the path is set above)
 from engine.assets.scene_json import format_scene, read_scene, write_scene  # noqa: E402  (the path is set above)
 
 SHEAR = (1.0, 0.0, 0.0, 0.0, 0.5, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.1, 0.2, 0.3, 1.0)
@@ -50,37 +53,43 @@ def write_stage(folder: Path, *, animated: bool) -> Path:
 
 
 class StageHost(NullHost):
-    """The real engine without pictures; opens scene files and nothing else."""
+    """The real engine without pictures; opens scene files and sources."""
 
     def __init__(self) -> None:
         self.device = None  # type: ignore[assignment]  # opened below; the fake's is not wanted
         self.runtimes, self.extra_nodes = [], 0
 
     def resolve(self, path: Path, progress: Any) -> Resolved:
-        from engine.core.errors import InputError
-
-        if not path.is_file():
-            raise InputError("there is no such file", where=path)
-        return Resolved(path, path)
+        if path.name.endswith(".scene.json") and path.is_file():
+            return Resolved(path, path)
+        return EngineHost().resolve(path, progress)
 
 
 def open_session(folder: Path) -> Session:
     """A session that journals into `folder`/recovery, with nothing open yet."""
-    session = Session(StageHost(), Preferences(welcome_seen=True))
+    session = Session(StageHost(), Preferences(welcome_seen=True, reimport=False))  # asked for by an operation
     session.save_preferences = False
     session.device = session.host.open_device(False)
     session.recovery_folder = folder / "recovery"
     return session
 
 
+def write_source(folder: Path) -> Path:
+    """Write a source, where it is not there yet: what is imported and may be imported again."""
+    path = folder / "crate.gltf"
+    return path if path.is_file() else write_small_source(path)
+
+
 def scene_of(folder: Path) -> Path:
-    """The scene that `write_stage` wrote there."""
-    return next(path for name in ("figure", "boxes") if (path := folder / f"{name}.scene.json").is_file())
+    """The scene or source that was written there."""
+    names = ("crate.gltf", "figure.scene.json", "boxes.scene.json")
+    return next(path for name in names if (path := folder / name).is_file())
 
 
-def opened(session: Session, scene: Path) -> Document:
-    """A document of that scene, in no tab yet."""
-    return Document(Resolved(scene, scene), session.host.open_runtime(session.device, scene))
+def opened(session: Session, path: Path) -> Document:
+    """A document of that scene or source, in no tab yet."""
+    resolved = session.host.resolve(path, lambda text, share: None)
+    return Document(resolved, session.host.open_runtime(session.device, resolved.scene))
 
 
 def content(document: Document, *, exact: bool) -> str:
@@ -141,12 +150,22 @@ def reopened(session: Session, document: Document) -> tuple[Any, Any]:
     assert document.saved_to is not None
     runtime = session.host.open_runtime(session.device, document.saved_to)
     try:
-        return tuple(  # type: ignore[return-value]  # of two
-            ([s for s in _said(r) if s[0] != "default"], sorted(map(repr, _shown(r).values())))
-            for r in (document.runtime, runtime)
-        )
+        return _lasting(document.runtime, current_scene(document)), _lasting(runtime, runtime.asset)
     finally:
         runtime.close()
+
+
+def _lasting(runtime: Any, asset: SceneAsset) -> Any:
+    """What a file keeps, but for references, which are other from another folder."""
+    materials = [said for said in _said(runtime) if said[0] != "default"]
+    nodes = [
+        # what an instance has within rounding as its prefab it has as its prefab
+        (n.name, n.parent, *(np.round(part, 6).tolist() for part in (n.translation, n.rotation, n.scale)),
+         n.matrix, n.visible, n.camera, bool(n.light), n.weights)
+        for n in asset.nodes
+    ]  # fmt: skip
+    animation = getattr(getattr(runtime, "animation", None), "text", "")
+    return materials, sorted(map(repr, _shown(runtime).values())), nodes, animation, asset.look
 
 
 def _file_of(residency: Any, material: int) -> str:

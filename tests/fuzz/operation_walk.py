@@ -46,6 +46,8 @@ class Walk:
         self.operations: Operations = builtin_operations()
         self.watched: list[Watched] = []
         self.counts: Counter[str] = Counter()
+        #: how many documents were open at once
+        self.most = 0
         #: a document that was saved, and not looked at since
         self.saved: Watched | None = None
         #: called with the number of the event that was just traced
@@ -61,6 +63,7 @@ class Walk:
         home = next(home for home in self.homes if any(home.resolve() in path.parents for path in places))
         watched = Watched(key or uuid.uuid4().hex[:8], document, home)
         self.watched.append(watched)
+        self.most = max(self.most, len(self.watched))
         history = document.history
         journal = history.listener
 
@@ -140,6 +143,8 @@ class Walk:
                 what = self._move(dice)
             elif kind == "look":
                 self._look(dice)
+            elif kind == "import":
+                what = self._import(dice)
             elif kind == "select":
                 what = self._run("select.nodes", dice)
             else:
@@ -276,6 +281,23 @@ class Walk:
             else:
                 residency.load_material(path)
 
+    def _import(self, dice: random.Random) -> str:
+        """A source changes, or how it is imported; where a document has none, one with a source comes to the front."""
+        session = self.session
+        document = session.document
+        assert document is not None
+        if document.imported_from is None or not document.imported_from.name.endswith(".gltf"):
+            self.operations.run("file.open", session, path=stage.scene_of(self.homes[2]))
+            return "file.open"
+        if dice.random() < 0.5:
+            text = document.imported_from.read_text()
+            said = json.loads(text)
+            said["materials"][0]["pbrMetallicRoughness"]["roughnessFactor"] = dice.choice((0.1, 0.4, 0.9))
+            said["nodes"][0]["name"] = dice.choice(("crate", "box"))
+            document.imported_from.write_text(json.dumps(said))
+            return self._run("file.reimport", dice)
+        return self._run(dice.choice([o.id for o in self.operations if o.id.startswith("import.")]), dice)
+
     def _prefab(self, dice: random.Random) -> str:
         """An operation on an instance that there is, more often than chance selects one."""
         document = self.session.document
@@ -303,9 +325,7 @@ class Walk:
     def _settle(self, dice: random.Random) -> None:
         """What a window does between frames, and a user with what it asks."""
         session = self.session
-        if session.job is not None:
-            session.job.wait(20)
-        session.poll()
+        self._wait()
         if session.work is not None:
             from editor import work
 
@@ -315,12 +335,19 @@ class Walk:
             after, requests.after_discard = requests.after_discard, None
             if dice.random() < 0.05:
                 after()
-        if session.job is not None:
-            session.job.wait(20)
-            session.poll()
+        self._wait()
         requests.quit = False
         if requests.paste is not None:
             paste, requests.paste = requests.paste, None
             paste(dice.choice((requests.copy_text, "roughness = 0.3", "", "no = [toml")))
         session.playback.playing = False
         session.tick(0.05)
+
+    def _wait(self) -> None:
+        """Let what is being opened and imported come in."""
+        session = self.session
+        for _ in range(4):
+            for job in (session.job, session.importing):
+                if job is not None:
+                    job.wait(20)
+            session.poll()

@@ -28,11 +28,13 @@ KILLS = ("event", "step", "torn")
 
 @dataclass(slots=True)
 class Outcome:
-    """`operations` done, `kills`, of which `restored` left something to restore; what failed, with its seed."""
+    """`operations` done on up to `open` documents at once, `kills`, after which `restored` documents came back; what
+    failed, with its seed."""
 
     operations: int = 0
     kills: int = 0
     restored: int = 0
+    open: int = 0
     failures: list[str] = field(default_factory=list)
     counts: Counter[str] = field(default_factory=Counter)
 
@@ -72,6 +74,7 @@ def _child(order: dict[str, object], base: Path, outcome: Outcome) -> None:
     answer = json.loads(answers.read_text(encoding="utf-8").splitlines()[-1]) if answers.is_file() else {}
     outcome.operations += int(answer.get("done", 0))
     outcome.counts.update(answer.get("counts", {}))
+    outcome.open = max(outcome.open, int(answer.get("open", 0)))
     outcome.restored += int(answer.get("restored", 0))
     if done.returncode == -9:
         outcome.kills += 1

@@ -25,6 +25,7 @@ SHADOWED = SceneSpec(bodies=(Body("sphere", 2), Body("card", 0, metallic=0.0)), 
 
 #: a pane over a card, between it and the sun
 TINTED = replace(SHADOWED, bodies=(Body("card", 2, "transparent"), Body("card", 0, metallic=0.0)))
+LAMP_TINTED = replace(TINTED, shadows=False, lights=("point",), local_shadows="all")
 
 #: two bodies that hide the surroundings from each other
 BESIDE = SceneSpec(bodies=(Body("cube", 0, metallic=0.0), Body("sphere", 1, metallic=0.0)))
@@ -59,6 +60,7 @@ TOGGLES: dict[str, tuple[SceneSpec, SceneSpec, tuple[str, ...]]] = {
     "debug_view": (LIT, replace(LIT, view="normal"), ()),
     "sun_shadows": (replace(SHADOWED, shadows=False), SHADOWED, ()),
     "translucent_shadows": (TINTED, replace(TINTED, translucent_shadows=True), ()),
+    "translucent_lamps": (LAMP_TINTED, replace(LAMP_TINTED, translucent_shadows=True), ()),
     "shadow_quality": (SHADOWED, replace(SHADOWED, shadow_filter="none"), ()),
     "ambient_occlusion": (
         replace(BESIDE, environment="uniform"), replace(BESIDE, environment="uniform", ambient_occlusion="gtao"), (),

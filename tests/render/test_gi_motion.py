@@ -14,6 +14,7 @@ from engine.assets.scene import LightAsset
 from engine.math import quat
 from engine.math.transform import look_at
 from engine.render.camera import Camera
+from engine.render.gi.choice import RESTING
 from engine.render.gi.state import is_cut
 
 pytestmark = pytest.mark.gl
@@ -70,6 +71,37 @@ def test_a_still_camera_calms_down(stage, surface) -> None:
     assert steps[-1] < 0.5 * steps[0]
     still = stage.hdr((32, 32), camera, gi="many", gi_bounces=8)[..., :3]
     assert np.abs(pictures[-1] - still).mean() < 0.01
+
+
+def test_a_frame_says_when_light_has_come_to_rest(stage, surface) -> None:
+    camera = lamp(stage, surface)
+    view = stage.view((24, 24), camera, gi="one")
+    view.seconds = 1.0 / 60.0
+    frames, pictures = [], []
+    for _ in range(RESTING + 4):
+        frame = stage.runtime.render(view, hdr=True)
+        frames.append(frame.settled)
+        pictures.append(np.asarray(frame.hdr.read(), np.float64)[..., :3])
+    assert frames == [i >= RESTING for i in range(len(frames))]
+    best = stage.hdr((24, 24), camera, gi="one", gi_directions=16)[..., :3]
+    off = [np.abs(pictures[i] - best).mean() for i in (1, RESTING)]
+    assert off[1] < 0.5 * off[0]
+    steps = [np.abs(b - a).mean() for a, b in itertools.pairwise(pictures)]
+    assert max(steps[RESTING:]) < 0.1 * steps[1]
+    stage.runtime.scene.lights.set(0, intensity=0.5)
+    assert not stage.runtime.render(view).settled
+
+
+def test_one_picture_of_many_has_all_of_its_light(stage, surface) -> None:
+    """Frames that are gathered into one picture do not wait for each other's bounces."""
+    camera = box(stage, surface)
+    whole = {"gi_unseen": "seen", "gi_radius": 10.0, "gi_half": False, "gi_directions": 4}
+    many = {"gi": "many", "gi_bounces": 8, **whole}
+    run = {"antialias": "taa", "taa_frames": 4, "samples": 1, **many}
+    picture = stage.hdr((32, 32), camera, **run)
+    assert np.array_equal(stage.hdr((32, 32), camera, **run), picture)
+    still = stage.hdr((32, 32), camera, **{**run, "antialias": "none"})
+    assert picture[..., :3].mean() == pytest.approx(still[..., :3].mean(), rel=0.02)
 
 
 def test_a_cut_forgets(stage, surface) -> None:

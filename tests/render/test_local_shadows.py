@@ -73,7 +73,7 @@ def test_the_edge_is_where_rays_put_it(stage, surface, lamp, at) -> None:
 
 
 @pytest.mark.parametrize("kind", LAMPS)
-@pytest.mark.parametrize("filter", ["none", "pcf", "vogel8"])
+@pytest.mark.parametrize("filter", ["none", "pcf", "vogel8", "evsm4", "msm"])
 def test_no_acne_and_no_gap(stage, surface, kind, filter) -> None:
     """A floor and a wall hide nothing of themselves; a box on the floor darkens it right up to its foot."""
     stage.dark()
@@ -95,7 +95,7 @@ def test_all_paths_and_the_forced_frame_agree(stage, surface) -> None:
     stage.lamp(LightAsset("point", (1.0, 0.6, 0.3), 6.0, 6.0, casts_shadow=True), (1.2, 1.4, 1.2))
     stage.lamp(LightAsset("point", (0.2, 0.6, 1.0), 2.0, 6.0), (-1.2, 1.0, 1.2))
     camera = Camera(look_at((2.5, 3.0, 3.5), (0.0, 0.3, 0.0)), 0.8, znear=0.05)
-    for filter in ("pcf", "vogel8"):
+    for filter in ("pcf", "msm", "vogel8"):
         truth = stage.hdr((48, 40), camera, path="forward", shadow_filter=filter)
         assert np.abs(truth - stage.hdr((48, 40), camera, path="forward", local_shadows="off")).max() > 0.1
         for path in PATHS[1:]:
@@ -160,7 +160,7 @@ def test_far_from_the_origin_and_at_any_scale(stage, surface, kind) -> None:
         assert np.nanmean(np.abs(here - lit(stage, camera))) < 2e-3, scale
 
 
-@pytest.mark.parametrize("filter", ["pcf", "vogel8"])
+@pytest.mark.parametrize("filter", ["pcf", "vogel8", "evsm4", "msm"])
 def test_faces_of_a_point_light_meet_without_a_seam(stage, surface, filter) -> None:
     """A wall of a closed box, on which five of the six views meet: lit all over."""
     stage.dark()
@@ -189,7 +189,7 @@ def test_too_many_lights_are_told_of(stage, surface) -> None:
 
 
 @pytest.mark.parametrize("kind", LAMPS)
-@pytest.mark.parametrize("filter", ["pcf", "vogel8"])
+@pytest.mark.parametrize("filter", ["pcf", "vogel8", "evsm4", "msm"])
 def test_no_dark_line_where_walls_meet(stage, surface, kind, filter) -> None:
     """A floor and two walls, a lamp before them: nothing hides anything, up to the corner itself."""
     stage.dark()

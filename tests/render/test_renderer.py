@@ -35,8 +35,9 @@ def test_passes_are_left_out_with_a_reason(stage) -> None:
     frame = stage.runtime.render(view)
     left_out = {item.name for item in frame.graph.left_out}
     assert left_out == {
-        "shadow_cascades", "shadow_moments", "shadow_tints", "local_shadows", "depth_prepass", "ambient_occlusion",
-        "deep_gbuffer", "radiosity", "bounces", "indirect", "reflections", "sky", "scene_color",
+        "shadow_cascades", "shadow_moments", "shadow_tints", "local_shadows", "local_moments", "local_tints",
+        "depth_prepass", "ambient_occlusion",
+        "deep_gbuffer", "radiosity", "bounces", "indirect", "reflections", "sky", "scene_color", "scene_front",
         "planar_reflections", "transparent",
         "light_heat", "shadow_maps", "auto_exposure", "bloom", "resolve", "fxaa",
         "motion", "motion_late", "taa", "smaa", "depth_of_field", "shadow_floor",

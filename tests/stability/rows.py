@@ -194,7 +194,7 @@ ROWS = (
     ),
     Row("light.all-at-once", "occlusion, bounces, mirrors, shadows and TAA together at the ends of scenes and sizes"),
     Row("light.reflection", "camera on, under, along the mirror"),
-    Row("light.refraction", "total internal reflection, posts before the water", waits="no refraction yet"),
+    Row("light.refraction", "total internal reflection, posts before the water"),
     Row("facts.flicker", "a fact that is true in every other frame: graphs do not come and go, no bit changes"),
     Row("size.odd", "1x1, 17x31, one pixel wide"),
     Row("size.resize", "sizes of 1 to 40 pixels in any order"),

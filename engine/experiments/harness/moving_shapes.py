@@ -1,4 +1,5 @@
-"""Shapes that move before a still camera: what smoothing over frames drags along, and what becomes of a thin line."""
+"""Shapes before a still camera: what smoothing over frames drags along, what becomes of a thin line, and of an edge by
+its angle."""
 
 from __future__ import annotations
 
@@ -32,6 +33,8 @@ LIGHT = 0.7
 FRAMES = 32
 #: of the line, in pixels; radians that it is turned by
 WIDTH, LEANS = 0.5, 0.1
+#: of a square card whose edges are looked at, in metres; points in each pixel of the truth, each way
+CARD, POINTS = 1.2, 16
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,18 +58,37 @@ def left_behind(device: Device, settings: dict[str, Any], step: float = 3.0) -> 
     return float(now[np.max(near, axis=0) == 0.0].max()) / LIGHT
 
 
-def thin_line(device: Device, settings: dict[str, Any], step: float = 1.0 / 3.0) -> Line:
-    """A line across the picture that sinks by `step` pixels a frame, or rests (0)."""
+def thin_line(
+    device: Device, settings: dict[str, Any], step: float = 1.0 / 3.0, *, restless: bool = False
+) -> Line:  # fmt: skip
+    """A line across the picture that sinks by `step` pixels a frame, or rests (0). `restless`: something else moves."""
     places = [(0.0, -step * PIXEL * (i - FRAMES / 2), 0.0) for i in range(FRAMES)]
-    pictures = list(_shown(device, places, (4.0 * HEIGHT, WIDTH * PIXEL, 1.0), LEANS, settings))
+    size = (4.0 * HEIGHT, WIDTH * PIXEL, 1.0)
+    pictures = list(_shown(device, places, size, LEANS, settings, restless=restless))
     columns = np.stack([p.sum(axis=0) for p in pictures[FRAMES // 2 :]]) / (LIGHT * WIDTH / np.cos(LEANS))
     light = columns.mean(axis=1)
     return Line(float(light.mean()), float(light.std()), float((columns < 0.25).mean()))
 
 
+def edges(device: Device, settings: dict[str, Any], angle: float) -> float:
+    """A bright card turned by `angle` radians, at rest: rmse of light against the parts of pixels that it covers, which
+    are counted in points, for all pixels that it covers in part; in 8-bit steps of linear light."""
+    place = (0.3 * PIXEL, 0.4 * PIXEL, 0.0)
+    frames = FRAMES if settings.get("antialias") == "taa" else 1
+    *_, got = _shown(device, [place] * frames, (CARD, CARD, 1.0), angle, settings)
+    width, height = SIZE
+    y, x = (np.mgrid[: height * POINTS, : width * POINTS] + 0.5) / POINTS
+    x, y = (x - width / 2.0) * PIXEL - place[0], (height / 2.0 - y) * PIXEL - place[1]
+    u, v = np.cos(angle) * x + np.sin(angle) * y, np.cos(angle) * y - np.sin(angle) * x
+    inside = (np.abs(u) < CARD / 2.0) & (np.abs(v) < CARD / 2.0)
+    part = inside.reshape(height, POINTS, width, POINTS).mean(axis=(1, 3))
+    touched = (part > 0.0) & (part < 1.0)
+    return float(255.0 * np.sqrt(np.mean((got / LIGHT - part)[touched] ** 2)))
+
+
 def _shown(
     device: Device, places: list[tuple[float, float, float]], size: tuple[float, float, float], leans: float,
-    settings: dict[str, Any],
+    settings: dict[str, Any], *, restless: bool = False,
 ) -> Iterator[F8]:  # fmt: skip
     """f8[h,w] linear light of a frame for each of the places of a card that shines on black."""
     made = MadeScene("moving shape", device)
@@ -79,10 +101,14 @@ def _shown(
         material = MaterialAsset("glow", params={**params, "emissive_strength": LIGHT})
         turn = quat.from_axis_angle((0.0, 0.0, 1.0), leans)
         node = made.add(card(1.0), material, places[0], turn, size)
+        other = made.scene.nodes.add("somebody else")
         camera = Camera(look_at((0.0, 0.0, 4.0), (0.0, 0.0, 0.0)), 2.0 * float(np.arctan(HEIGHT / 8.0)))
         view = View(camera, *SIZE, RenderSettings(**settings), seconds=1.0 / 60.0)
         at = places[0]
-        for place in places:
+        for number, place in enumerate(places):
+            if restless:
+                made.scene.nodes.set_translation([other], [(0.0, float(number), 0.0)])
+                made.scene.update()
             if place != at:  # what is set has changed
                 made.scene.nodes.set_translation([node], [place])
                 made.scene.update()

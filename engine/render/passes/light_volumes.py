@@ -23,7 +23,7 @@ from engine.gpu.types import BlendState, ColorAttachment, DepthAttachment, Depth
 from engine.render.facts import SceneFacts
 from engine.render.frame import DEPTH_UNIT, GBUFFER_UNIT, LIGHT_BOUNDS_BINDING, RenderFrame
 from engine.render.gbuffer import texture_names
-from engine.render.passes.local_shadows import LOCAL_SHADOW, local_shadow_inputs
+from engine.render.passes.local_shadows import local_shadow_inputs, read_local_shadows
 from engine.render.passes.opaque import GATHERED, LIGHT_SUM
 
 #: triangles of a volume: rings x segments quads (shaders/passes/light_volumes.vert)
@@ -45,7 +45,7 @@ class LightVolumesPass(Pass):
         lighting = b.facts.lighting
         for name in (*(texture_names(lighting.gbuffer)[: 1 if lighting.three_pass else None]), "depth"):
             b.read(name)
-        b.read(LOCAL_SHADOW, optional=True)
+        read_local_shadows(b)
         b.write(GATHERED if lighting.three_pass else LIGHT_SUM)
 
     def execute(self, ctx: PassContext) -> None:

@@ -14,7 +14,7 @@ from engine.render.gbuffer import LAYOUTS, NO_REFLECTION, texture_names
 from engine.render.passes.ambient_occlusion import FILTERED, ambient_inputs
 from engine.render.passes.indirect import INDIRECT, indirect_inputs
 from engine.render.passes.light_culling import LIGHT_TILES, light_list_inputs
-from engine.render.passes.local_shadows import LOCAL_SHADOW, local_shadow_inputs
+from engine.render.passes.local_shadows import local_shadow_inputs, read_local_shadows
 from engine.render.passes.planar_reflections import PLANAR, PLANAR_REACH, planar_inputs
 from engine.render.passes.reflections import REFLECTIONS, reflection_inputs
 from engine.render.passes.shadow_cascades import SUN_MOMENTS, SUN_SHADOW, SUN_TINT, shadow_inputs
@@ -46,7 +46,7 @@ class OpaquePass(Pass):
         b.read(SUN_SHADOW, optional=True)
         b.read(SUN_MOMENTS, optional=True)
         b.read(SUN_TINT, optional=True)
-        b.read(LOCAL_SHADOW, optional=True)
+        read_local_shadows(b)
         samples, lighting = b.facts.samples, b.facts.lighting
         if lighting.deferred:
             b.create(LIGHT_SUM, "rgba32f")
@@ -106,7 +106,7 @@ class OpaqueForwardPass(Pass):
         b.read(SUN_SHADOW, optional=True)
         b.read(SUN_MOMENTS, optional=True)
         b.read(SUN_TINT, optional=True)
-        b.read(LOCAL_SHADOW, optional=True)
+        read_local_shadows(b)
         b.read(FILTERED, optional=True)
         b.read(INDIRECT, optional=True)
         b.read(REFLECTIONS, optional=True)

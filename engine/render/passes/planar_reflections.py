@@ -23,7 +23,7 @@ from engine.render.frame import (
     RenderFrame,
     SeenBy,
 )
-from engine.render.passes.local_shadows import LOCAL_SHADOW, local_shadow_inputs
+from engine.render.passes.local_shadows import local_shadow_inputs, read_local_shadows
 from engine.render.passes.shadow_cascades import SUN_MOMENTS, SUN_SHADOW, SUN_TINT, shadow_inputs
 from engine.render.planar.mirrors import Mirror
 from engine.render.planar.programs import ROLE, MirrorPrograms
@@ -44,14 +44,15 @@ class PlanarReflectionsPass(Pass):
 
     def __init__(self) -> None:
         super().__init__()
-        self._programs = MirrorPrograms({})
+        self._programs = MirrorPrograms()
 
     def needs(self, facts: SceneFacts) -> bool | str:
         return True if facts.planar.wanted else "no flat surface asks for a planar reflection, or the view wants none"
 
     def declare(self, b: Builder) -> None:
-        for name in (SUN_SHADOW, SUN_MOMENTS, SUN_TINT, LOCAL_SHADOW):
+        for name in (SUN_SHADOW, SUN_MOMENTS, SUN_TINT):
             b.read(name, optional=True)
+        read_local_shadows(b)
         planar = b.facts.planar
         size, layers = planar.size(*b.view_size), max(planar.mirrors, 1)
         b.create(PLANAR, "rgba16f", size=size, kind="2d-array", layers=layers, mips=0)

@@ -22,7 +22,7 @@ from engine.render.gi.gather import (
     sent_targets,
     shrink,
 )
-from engine.render.passes.local_shadows import LOCAL_SHADOW, local_shadow_inputs
+from engine.render.passes.local_shadows import local_shadow_inputs, read_local_shadows
 from engine.render.passes.shadow_cascades import SUN_MOMENTS, SUN_SHADOW, SUN_TINT, shadow_inputs
 
 #: rgba16f: what a layer sends out before anything else lights it; there where it is lit again
@@ -48,7 +48,7 @@ class RadiosityPass(Pass):
         b.read(SUN_SHADOW, optional=True)
         b.read(SUN_MOMENTS, optional=True)
         b.read(SUN_TINT, optional=True)
-        b.read(LOCAL_SHADOW, optional=True)
+        read_local_shadows(b)
         size, levels = size_of_layers(b), levels_of(*size_of_layers(b))
         for layer in range(b.facts.indirect.layers):
             for names in (DEPTHS, SHAPES, LIGHTS):

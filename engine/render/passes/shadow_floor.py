@@ -13,7 +13,7 @@ from engine.gpu.types import BlendState, ColorAttachment, DepthAttachment, Depth
 from engine.render.facts import SceneFacts
 from engine.render.frame import ENVIRONMENT_UNIT, PASS_BINDING, RenderFrame
 from engine.render.passes.ambient_occlusion import FILTERED, ambient_inputs
-from engine.render.passes.local_shadows import LOCAL_SHADOW, local_shadow_inputs
+from engine.render.passes.local_shadows import local_shadow_inputs, read_local_shadows
 from engine.render.passes.shadow_cascades import SUN_MOMENTS, SUN_SHADOW, shadow_inputs
 
 BLOCK = layout([Field("height", "float"), Field("strength", "float")], rule="std140")
@@ -35,7 +35,7 @@ class ShadowFloorPass(Pass):
         b.read("depth")
         b.read(SUN_SHADOW, optional=True)
         b.read(SUN_MOMENTS, optional=True)
-        b.read(LOCAL_SHADOW, optional=True)
+        read_local_shadows(b)
         b.read(FILTERED, optional=True)
         b.write("hdr")
 

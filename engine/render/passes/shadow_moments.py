@@ -28,6 +28,8 @@ BLOCK = layout(
         Field("layer", "int"),
         Field("taps", "int"),  # on each side of the middle
         Field("weights", "vec4", MOST_TAPS // 4 + 1),  # of the middle, one beside it, two …
+        Field("corner", "ivec2"),  # of a lamp's tile, texels
+        Field("far", "float"),  # m, where z is 1 for a lamp
     ],
     rule="std140",
 )
@@ -88,7 +90,7 @@ class ShadowMomentsPass(Pass):
         block = frame.pass_block(f"{self.name} {layer}", row)
         rows = ctx.texture(ROWS)
         for first, source, target in ((1, ctx.texture(SUN_SHADOW), rows), (0, rows, out)):
-            defines = {"FIRST": first, **frame.facts.light_defines()}
+            defines = {"FIRST": first, "LAMPS": 0, **frame.facts.light_defines()}
             pipeline = frame.programs.compute("shadow_moments.comp", block=BLOCK, block_name="blur", defines=defines)
             with ctx.device.compute_pass(f"shadow moments {layer}") as compute_pass:
                 compute_pass.set_pipeline(pipeline)

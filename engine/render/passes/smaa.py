@@ -19,7 +19,7 @@ from engine.render.frame import INPUT_UNIT, PASS_BINDING, RenderFrame
 from engine.render.one_sample import reason
 
 #: pixels that a line is followed to each side
-STEPS = 16
+STEPS = 32
 #: rg8: an edge to the left, above; rgba8: of the edge above, parts of the pixel above and of this one, then of the left
 EDGES, PARTS, SHOWN = "smaa_edges", "smaa_parts", "smaa_picture"
 MORE_UNIT = INPUT_UNIT + 1

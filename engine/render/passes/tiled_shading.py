@@ -12,7 +12,7 @@ from engine.render.frame import INPUT_UNIT, RenderFrame
 from engine.render.gbuffer import texture_names
 from engine.render.passes.light_culling import LIGHT_TILES, light_list_inputs
 from engine.render.passes.light_volumes import gbuffer_inputs
-from engine.render.passes.local_shadows import LOCAL_SHADOW, local_shadow_inputs
+from engine.render.passes.local_shadows import local_shadow_inputs, read_local_shadows
 from engine.render.passes.opaque import HDR_FORMAT, LIGHT_SUM
 
 
@@ -26,7 +26,7 @@ class TiledShadingPass(Pass):
     def declare(self, b: Builder) -> None:
         for name in (*texture_names(b.facts.lighting.gbuffer), "depth", LIGHT_SUM, LIGHT_TILES):
             b.read(name)
-        b.read(LOCAL_SHADOW, optional=True)
+        read_local_shadows(b)
         b.create("hdr", HDR_FORMAT)
 
     def execute(self, ctx: PassContext) -> None:

@@ -1,5 +1,7 @@
 """Blended surfaces, back to front, over what is there. Nearer opaque surfaces hide them; they write no depth.
-Transmissive ones among them do, and see what is behind them in a copy of the picture (scene_color.py)."""
+Transmissive ones among them do, and see what is behind them in a copy of the picture (scene_color.py): what is solid,
+and the sky. They take their turn among the others by distance; a blended or transmissive surface behind one is not seen
+through it, as it is not in the copy (KHR_materials_transmission allows so)."""
 
 from __future__ import annotations
 
@@ -11,9 +13,10 @@ from engine.gpu.types import ColorAttachment, DepthAttachment
 from engine.render.facts import SceneFacts
 from engine.render.frame import RenderFrame
 from engine.render.passes.light_culling import LIGHT_TILES, light_list_inputs
-from engine.render.passes.local_shadows import LOCAL_SHADOW, local_shadow_inputs
+from engine.render.passes.local_shadows import local_shadow_inputs, read_local_shadows
 from engine.render.passes.planar_reflections import PLANAR, PLANAR_REACH, planar_inputs
 from engine.render.passes.scene_color import SCENE_COLOR, scene_color_inputs
+from engine.render.passes.scene_front import SCENE_FRONT, scene_front_inputs
 from engine.render.passes.shadow_cascades import SUN_MOMENTS, SUN_SHADOW, SUN_TINT, shadow_inputs
 
 
@@ -30,10 +33,11 @@ class TransparentPass(Pass):
         else:
             b.read("depth")
         b.read(SCENE_COLOR, optional=True)
+        b.read(SCENE_FRONT, optional=True)
         b.read(SUN_SHADOW, optional=True)
         b.read(SUN_MOMENTS, optional=True)
         b.read(SUN_TINT, optional=True)
-        b.read(LOCAL_SHADOW, optional=True)
+        read_local_shadows(b)
         b.read(PLANAR, optional=True)
         b.read(PLANAR_REACH, optional=True)
         b.read(LIGHT_TILES, optional=True)
@@ -45,6 +49,6 @@ class TransparentPass(Pass):
         with ctx.device.render_pass(self.name, [ColorAttachment(ctx.texture("hdr"))], depth) as render_pass:
             inputs = {
                 **shadow_inputs(ctx), **local_shadow_inputs(ctx), **light_list_inputs(ctx), **scene_color_inputs(ctx),
-                **planar_inputs(ctx),
+                **planar_inputs(ctx), **scene_front_inputs(ctx),
             }  # fmt: skip
             frame.draw_batches(render_pass, frame.draws.blended, frame.facts.samples, inputs)

@@ -10,28 +10,26 @@ from engine.render.passes.depth_prepass import DepthPrepass
 from engine.render.passes.indirect import IndirectPass
 from engine.render.passes.light_culling import LightCullingPass
 from engine.render.passes.light_heat import LightHeatPass
-from engine.render.passes.local_shadows import LocalShadowsPass
 from engine.render.passes.motion import LateMotionPass, MotionPass
 from engine.render.passes.opaque import OpaquePass
 from engine.render.passes.planar_reflections import PlanarReflectionsPass
 from engine.render.passes.radiosity import RadiosityPass
 from engine.render.passes.reflections import ReflectionsPass
 from engine.render.passes.scene_color import SceneColorPass
-from engine.render.passes.shadow_cascades import ShadowCascadesPass
+from engine.render.passes.scene_front import SceneFrontPass
 from engine.render.passes.shadow_floor import ShadowFloorPass
 from engine.render.passes.shadow_maps import ShadowMapsPass
-from engine.render.passes.shadow_moments import ShadowMomentsPass
-from engine.render.passes.shadow_tints import ShadowTintsPass
 from engine.render.passes.sky import SkyPass
 from engine.render.passes.transparent import TransparentPass
 from engine.render.paths.lens import lens_passes
+from engine.render.paths.shadow_maps import shadow_passes
 
 
 def forward_plus_passes() -> list[Pass]:
     return [
-        ShadowCascadesPass(), ShadowMomentsPass(), ShadowTintsPass(), LocalShadowsPass(), DepthPrepass(), MotionPass(),
+        *shadow_passes(), DepthPrepass(), MotionPass(),
         PlanarReflectionsPass(), AmbientOcclusionPass(),
         DeepGbufferPass(), RadiosityPass(), BouncesPass(), IndirectPass(), ReflectionsPass(),
-        LightCullingPass(), OpaquePass(), SkyPass(), ShadowFloorPass(), LateMotionPass(), SceneColorPass(),
+        LightCullingPass(), OpaquePass(), SkyPass(), ShadowFloorPass(), LateMotionPass(), SceneColorPass(), SceneFrontPass(),
         TransparentPass(), LightHeatPass(), ShadowMapsPass(), *lens_passes(),
     ]  # fmt: skip

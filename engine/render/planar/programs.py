@@ -1,8 +1,9 @@
-"""MirrorPrograms: the pipelines that draw what a mirror shows, by draw state."""
+"""What draws a mirror's picture: the shading of the frame, less what is known of the frame's own pixels alone."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from functools import partial
 
 from engine.gpu.types import Pipeline
 from engine.materials.effect import Effect
@@ -13,8 +14,10 @@ from engine.render.frame import RenderFrame
 from engine.render.gi.choice import Indirect
 from engine.render.lighting import Lighting
 from engine.render.occlusion import Occlusion
+from engine.render.other_programs import OtherPrograms
 from engine.render.planar.choice import Planar
 from engine.render.planar.mirrors import CLIP_PRELUDE
+from engine.render.refraction import untested
 from engine.render.variant_requests import surface_request
 from engine.resources.arena import MeshArena
 
@@ -22,14 +25,16 @@ ROLE = "forward"
 
 
 def facts_behind(facts: SceneFacts) -> SceneFacts:
-    """What is left of a frame's facts in its mirrors: nothing that is known of the frame's own pixels alone."""
+    """What is left of a frame's facts in its mirrors."""
     return replace(
         facts, samples=1, alpha_to_coverage=False, ambient_occlusion=Occlusion(), indirect=Indirect(),
-        lighting=Lighting(steps=facts.lighting.steps), planar=Planar(), force_all=False,
+        lighting=Lighting(steps=facts.lighting.steps), planar=Planar(), refraction=untested(facts.refraction),
+        force_all=False,
     )  # fmt: skip
 
 
-def mirror_request(state: DrawState, arena: MeshArena, facts: SceneFacts, effect: Effect, index: int) -> VariantRequest:
+def mirror_request(facts: SceneFacts, state: DrawState, arena: MeshArena, effect: Effect, index: int) -> VariantRequest:
+    """`facts`: those behind a mirror."""
     request = surface_request(state, arena, facts, effect)
     defines = dict(request.defines) | {"CLIP_PLANE": 1}
     return replace(
@@ -37,32 +42,14 @@ def mirror_request(state: DrawState, arena: MeshArena, facts: SceneFacts, effect
     )
 
 
-@dataclass(slots=True)
 class MirrorPrograms:
-    """Asks the effect library once for each; again after a hot reload or with other facts."""
-
-    _found: dict[tuple[object, ...], Pipeline]
-    _key: tuple[object, ...] = ()
-    _facts: SceneFacts | None = None
+    def __init__(self) -> None:
+        self._programs = OtherPrograms("mirror")
+        self._facts: tuple[SceneFacts | None, SceneFacts | None] = (None, None)
 
     def get(self, frame: RenderFrame, state: DrawState, index: int) -> Pipeline:
-        """Magenta stands in for what does not compile; the frame's programs keep why."""
-        effects = frame.residency.effects
-        key = (effects.revision, frame.facts)
-        if self._key != key:
-            self._found.clear()
-            self._key, self._facts = key, facts_behind(frame.facts)
-        assert self._facts is not None
-        of = (
-            state.effect, state.features, state.arena, state.topology, state.cull, state.front_ccw, state.blended,
-            state.veil, state.level, index,
-        )  # fmt: skip
-        pipeline = self._found.get(of)
-        if pipeline is None:
-            effect, arena = effects.get(state.effect), frame.residency.arenas[state.arena]
-            request = mirror_request(state, arena, self._facts, effect, index)
-            pipeline, error = effects.of_request(frame.device, request, effect)
-            if error is not None:
-                frame.programs.errors[f"{state.effect} mirror: {', '.join(sorted(state.features))}"] = error
-            self._found[of] = pipeline
-        return pipeline
+        if self._facts[0] != frame.facts:
+            self._facts = (frame.facts, facts_behind(frame.facts))
+        facts = self._facts[1]
+        assert facts is not None, "found just now"
+        return self._programs.get(frame, facts, partial(mirror_request, facts), state, index)

@@ -68,6 +68,9 @@ def steps(session: Session, tree: Any, times: dict[str, list[float]], frames: in
     session.playback.playing = False
     for i in range(EDITS):
         session.edit("nodes", "translation", (1 + i % 3,), ((float(i), 0.0, 0.0),), label=f"Move part {i}")
+    session.ui.focus_panel = "History"  # in front of the assets
+    for _ in range(WARM_UP):
+        yield ""
     states = {
         "at rest": lambda i: None,
         "one node dragged": lambda i: session.edit(

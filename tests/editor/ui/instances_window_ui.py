@@ -140,14 +140,14 @@ def card(run: WindowRun, seen: dict[str, Any]) -> None:
     run.ctx.yield_(6)
     seen["by_hand"] = window("###import-card").size.y
     run.shot("by-hand")
-    scale = run.session.preferences.ui_scale
-    seen["large"] = []
-    for step in (2.0,):
-        session.preferences.ui_scale, session.ui.scale_changed = step, True
-        run.ctx.yield_(10)
-        seen["large"].append(covered(run))
-        run.shot(f"card-at-{step:.0f}")
-    session.preferences.ui_scale, session.ui.scale_changed = scale, True
+    session.preferences.ui_scale, session.ui.scale_changed = 2.0, True
+    run.ctx.yield_(10)
+    seen["by_hand_at_2"] = covered(run)
+    run.shot("by-hand-at-2")
+    run.ctx.item_click("//###import-card/–")
+    run.ctx.yield_(6)
+    seen["line_at_2"] = covered(run)
+    run.shot("line-at-2")
 
 
 def covered(run: WindowRun) -> float:

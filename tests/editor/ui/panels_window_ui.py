@@ -24,8 +24,8 @@ from editor.texture_sources import list_sources  # noqa: E402  (needs the path a
 #: panels that the walk opens, in the order of its pictures
 PANELS = (
     "Scene", "Assets", "Inspector", "Lights", "Render settings", "Log", "Timings", "Variants", "Shader editor",
-    "Timeline", "State graph", "Blend space", "Masks", "History", "Frame graph", "Textures", "Report", "Asset report", "Numbers",
-    "Console", "Plug-ins", "Preferences", "Material preview", "BRDF explorer", "Compare",
+    "Timeline", "State graph", "Blend space", "Masks", "History", "Frame graph", "Textures", "Report",
+    "Asset report", "Numbers", "Console", "Plug-ins", "Preferences", "Material preview", "BRDF explorer", "Compare",
 )  # fmt: skip
 
 
@@ -90,7 +90,22 @@ def assets(run: WindowRun) -> None:
         run.shot(f"report-{page.lower()}")
 
 
-STEPS: dict[str, Callable[[WindowRun], None]] = {"panels": panels, "textures": textures, "assets": assets}
+def graph(run: WindowRun) -> None:
+    """The frame graph over the middle; a click on a pass shows what it writes."""
+    show(run, "Frame graph")
+    run.shot("graph")
+    run.ctx.mouse_move("//###Frame graph/**/##pass-opaque")
+    run.ctx.sleep_no_skip(1.0, 0.05)
+    run.shot("graph-hovered")
+    run.ctx.item_click("//###Frame graph/**/##pass-shadow_cascades")
+    run.until(lambda: run.panel("Textures").image is not None)
+    run.ctx.yield_(4)
+    run.shot("graph-clicked")
+
+
+STEPS: dict[str, Callable[[WindowRun], None]] = {
+    "panels": panels, "textures": textures, "assets": assets, "graph": graph,
+}  # fmt: skip
 
 
 def steps(run: WindowRun, path: Path, chosen: argparse.Namespace) -> None:
