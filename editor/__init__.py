@@ -23,11 +23,13 @@
       |-- tasks, live_hints       what goes on in the background; what the mouse does now
       |-- document.py     what is open; every edit is a Command on a table column
       |     |-- commands/ Command, StructureCommand + History: undo, redo, one entry per gesture
-      |     '-- journal.py    every edit on disk as it happens; recovering.py restores what a killed session left
+      |     '-- journal.py    every edit on disk as it happens; recovering.py restores what a killed session left;
+      |                       recovered_numbers.py: which files its numbers of meshes and materials mean
       |-- replacing.py    another scene under a document as one entry (commands/replacement.py), for
       |     |-- reimporting.py     sources that changed, by importers.reimport; import_settings.py: one-click fixes
       |     |-- file_moves.py      files of the project moved by importers.project; asset_links.py: who uses which
-      |     '-- prefabs.py         made, placed, reverted, applied, followed when their files change
+      |     '-- prefabs.py         made, placed; prefab_updates.py: reverted, applied, followed when their files change;
+      |                            prefab_values.py: what an instance has of its own, value by value
       |-- tools, gizmo, selecting, focusing      move/turn/scale arithmetic, box selection, isolating, measuring, focus
       |-- code/           shader files as text: documents, problems, search, completion
       |-- material_editing, param_groups    materials, one or many: shared parameters, copies, resets, textures
@@ -42,7 +44,7 @@
       |-- work.py         what takes long, a step a frame: measuring what is left out, experiments
       |     '-- report.py, work_precision.py    error over time on the open view: answers, what to set, the diagram
       |-- numbers.py      which pass made the first NaN, and going there
-      '-- viewport_image.py   renders only when something visible changed
+      '-- viewport_image.py   renders only when something visible changed; history_pictures.py keeps it small
       v
     host.py               the engine's side: runtime, view, scene_for (tests put a fake one here)
 

@@ -76,7 +76,7 @@ class App:
         self._drop: Any = None
         self._start = time.monotonic()
         self._settled = 0
-        self._wheeled = self._followed = -1e9
+        self._wheeled = self._followed = self._began = -1e9
         self._focus = ""
         self.idling = Idling()
         self.interrupts = Interrupts()
@@ -220,7 +220,8 @@ class App:
         session = self.ui.session
         io = imgui.get_io()
         self.ui.pixel_scale = max(float(io.display_framebuffer_scale.x), 1e-3)
-        self.idling.began(time.monotonic(), woken=waking.take())
+        self._began = time.monotonic()
+        self.idling.began(self._began, woken=waking.take(), waited=bool(self.params.fps_idling.is_idling))
         self.idling.sight = self._sight()
         if self.interrupts.signal:
             self.params.app_shall_exit = True
@@ -264,7 +265,7 @@ class App:
         if pause <= 0.0:
             hello_imgui.request_refresh()
         else:
-            idle.fps_idle = 1.0 / pause
+            idle.fps_idle = 1.0 / (pause + now - self._began)  # the library counts from the frame's beginning
 
     def _watched(self) -> Iterator[Path]:
         """Files that frames look at themselves, and whose change should bring one."""
@@ -361,7 +362,9 @@ class App:
     def _style(self) -> None:
         preferences = self.ui.session.preferences
         theme.use(preferences.theme)
-        theme.apply(preferences.ui_scale)
+        # the window library scales sizes by the display's factor itself, once, on its second frame
+        display = hello_imgui.dpi_window_size_factor() if self.ui.drawn > 1 and not self.null_platform else 1.0
+        theme.apply(preferences.ui_scale, display)
 
     def _show_panel(self, title: str) -> None:
         """Open the panel of that title and bring it to the front."""

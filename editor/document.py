@@ -16,7 +16,7 @@ from editor.commands.command import Command, Edit, Said
 from editor.commands.history import History
 from editor.commands.lights import follow_drifts
 from editor.commands.replacement import FileStep, Replacement
-from editor.commands.structure import StructureCommand
+from editor.commands.structure import PLACE, StructureCommand
 from editor.host import Resolved, Runtime, box_corners
 from editor.tables import make_command, tables_of
 from engine.core.errors import LucarnaError
@@ -63,7 +63,7 @@ class Document:
         self.saved_values: set[tuple[str, str, str]] = set()
         #: the prefabs of its instances, as they were when they came (engine.assets.prefab.instance_nodes)
         self.prefabs: dict[Path, list[Any]] = {}
-        self.prefab_stamps: dict[Path, tuple[int, int]] = {}
+        self.prefab_stamps: dict[Path, tuple[Any, ...]] = {}
         #: errors that were told of already
         self.noted: set[str] = set()
         #: called after the scene under this document became another one (see commands.replacement)
@@ -281,10 +281,6 @@ class Document:
             self.overrides.update({(edit.table, column, row): value for column, value in said})
         if edit.table == "nodes":
             self.runtime.scene.update()
-
-
-#: of a node: each says something of the same place, and the latest counts
-PLACE = ("translation", "rotation", "scale", "local")
 
 
 def overlapping(table: str, column: str) -> tuple[str, ...]:

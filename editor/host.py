@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from editor.camera_controls import OrbitCamera
+from editor.waking import wake
 from engine.core.findings import Findings
 from engine.core.param import ParamBlock
 
@@ -91,6 +92,7 @@ class EngineHost:
         runtime.sleepy = True
         try:
             runtime.open(scene, baker=baker_for(scene.parent), root=root, base=base)
+            runtime.renderer.environments.told = wake
         except BaseException:  # an interrupt, too, leaves nothing behind
             runtime.close()
             raise

@@ -25,6 +25,8 @@ BEHIND_FPS, BAR_FPS = 10.0, 15.0
 CARET = 0.4
 #: seconds that the window stays awake after an event: buttons light up, tooltips come
 AWAKE = 0.7
+#: seconds by which a timer may run off too soon
+EARLY = 0.004
 #: frames at once after a thread's word, for what takes a frame to be laid out; then looks again after so many seconds,
 #: for what is looked at at most that often
 SETTLE_FRAMES, LOOK_AGAIN = 3, (0.6, 2.2)
@@ -41,12 +43,12 @@ class Idling:
         self._expected = 0.0
         self._updates = 0
 
-    def began(self, now: float, *, woken: bool) -> None:
-        """A frame begins; `woken`: a thread asked for one since the last."""
+    def began(self, now: float, *, woken: bool, waited: bool = True) -> None:
+        """A frame begins; `woken`: a thread asked for one since the last; `waited`: the window slept before it."""
         if woken:
             self.look_again(now)
             self._frames = SETTLE_FRAMES
-        elif now < self._expected - 0.002:  # earlier than the window meant to wake: something happened to it
+        elif waited and now < self._expected - EARLY:  # earlier than the window meant to wake: something happened to it
             self._awake_until = now + AWAKE
         self._frames = max(self._frames - 1, 0)
         self._again = [due for due in self._again if due > now]

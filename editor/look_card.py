@@ -6,6 +6,7 @@ from collections.abc import Hashable
 from dataclasses import astuple
 from typing import TYPE_CHECKING, Any
 
+from editor.baking import surroundings_revision
 from editor.viewport_image import PATIENCE
 from engine.core.errors import LucarnaError
 
@@ -32,7 +33,7 @@ class LookCardPicture:
         camera = session.camera
         key = (
             id(runtime), width, height, camera.yaw, camera.pitch, camera.roll, session.settings.key(),
-            astuple(scene.environment), astuple(scene.look),
+            astuple(scene.environment), astuple(scene.look), surroundings_revision(runtime),
         )  # fmt: skip
         if key == self._key:
             return self._native

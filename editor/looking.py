@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from editor import camera_controls
+from editor.baking import surroundings_revision
 from editor.selecting import nodes_in_box
 from editor.session_state import SessionState
 from engine.core.errors import LucarnaError
@@ -127,6 +128,7 @@ class Looking(SessionState):
             int(scene.structure_rev),
             int(scene.transform_rev),
             int(getattr(document.runtime.residency, "structure_rev", 0)),
+            surroundings_revision(document.runtime),
             self.playback.time,
             self.playback.elapsed if self.playback.playing else 0.0,
         )

@@ -3,6 +3,7 @@ undoable entry. No imgui."""
 
 from __future__ import annotations
 
+import functools
 import shutil
 import tempfile
 import time
@@ -161,14 +162,16 @@ def poll(session: Session) -> None:
     if document is None or not document.prefabs or now < session.prefabs_at or session.handling:
         return
     session.prefabs_at = now + LOOK
-    stamps = {path: stamp_of(path) for path in document.prefabs}
-    if stamps == document.prefab_stamps:
+    stamps = {path: (stamp_of(path), *map(stamp_of, _clips_of(path, stamp_of(path)))) for path in document.prefabs}
+    before = document.prefab_stamps
+    if stamps == before:
         return
     document.prefab_stamps = stamps
     changed = []
     for path in document.prefabs:
+        other_clips = path in before and stamps[path][1:] != before[path][1:]
         try:
-            if instance_nodes(path, document.scene_path.parent) != document.prefabs[path]:
+            if other_clips or instance_nodes(path, document.scene_path.parent) != document.prefabs[path]:
                 changed.append(path)
         except LucarnaError as error:
             if str(error) not in document.noted:
@@ -179,6 +182,15 @@ def poll(session: Session) -> None:
         _reopen(
             session, document, saving.current_scene(document), f"Prefab {names} changed", of_view=not document.dirty
         )
+
+
+@functools.lru_cache(maxsize=64)
+def _clips_of(path: Path, _stamp: object) -> tuple[Path, ...]:
+    """The clip files of a prefab, read again when it changes."""
+    try:
+        return tuple(path.parent / name for name in read_scene(path).clips)
+    except LucarnaError:  # told of by whoever needs its nodes
+        return ()
 
 
 def _reopen(

@@ -202,9 +202,16 @@ def edited_scene(runtime: Any, overrides: Mapping[tuple[str, str, int], Any]) ->
 
 
 def driven_rows(runtime: Any) -> frozenset[int]:
-    """The nodes that clips of prefabs pose."""
+    """The nodes that are posed by clips, and are none of the file: those of prefabs, and copies of what clips move."""
     rows: frozenset[int] = getattr(getattr(runtime, "instance_clips", None), "driven", frozenset())
-    return rows
+    if not getattr(runtime, "clips", ()):
+        return rows
+    runtime.follow_structure()
+    channels = [channel for clip in runtime.clips for channel in clip.channels if channel.path != "weights"]
+    moved = {int(runtime.cast_rows[c.node]) for c in channels if c.node < len(runtime.cast_rows)}
+    copies = runtime.deck.copies.moving
+    pairs = zip(copies.leader.tolist(), copies.row.tolist(), strict=True)
+    return rows | {row for leader, row in pairs if leader in moved}
 
 
 def is_restructured(scene: Any, base: SceneAsset) -> bool:

@@ -169,7 +169,7 @@ def _mask_of(session: Session, joints: Any) -> F8 | None:
         return None
     from editor.panels.bone_masks import mask_weights
 
-    rows = runtime_of(session).node_rows[animation.rig.source]
+    rows = runtime_of(session).cast_rows[animation.rig.source]
     of_row = dict(zip(rows.tolist(), mask_weights(session, view.mask).tolist(), strict=True))
     return np.array([of_row.get(int(j), 0.0) for j in joints])
 
@@ -198,7 +198,7 @@ def ghost_places(session: Session, times: F8) -> tuple[F8, NDArray[np.int64]]:
     """World places f8[times, joints, 3] of the joints at `times`, and the joint above each: of the clip or timeline."""
     document = session.document
     assert document is not None
-    runtime = document.runtime
+    runtime = runtime_of(session)
     scene = runtime.scene
     joints, parent = bones(scene)
     sampled = _sampled(session, times)
@@ -207,6 +207,8 @@ def ghost_places(session: Session, times: F8) -> tuple[F8, NDArray[np.int64]]:
     rows, pose, carried = sampled
     chain = sorted({int(r) for j in joints for r in _above(scene.nodes.parent, int(j))} | {int(j) for j in joints})
     column = {int(r): i for i, r in enumerate(rows.tolist())}
+    which, copied = runtime.deck.copies.moving.repeat(rows)
+    column.update(zip(copied.tolist(), which.tolist(), strict=True))
     world: dict[int, F8] = {}
     order = sorted(chain, key=lambda r: len(_above(scene.nodes.parent, r)))
     for row in order:
@@ -240,13 +242,13 @@ def _sampled(session: Session, times: F8) -> Any:
     runtime = runtime_of(session)
     animation = animation_of(session)
     if drive_of(session) == "timeline":
-        rows = runtime.node_rows[animation.rig.source]
+        rows = runtime.cast_rows[animation.rig.source]
         carried: Any = (-1, None)
         if animation.top >= 0 and runtime.deck.root_motion:
             way = animation.sequence.way(times)
             turn = quat.from_axis_angle(np.array([0.0, 1.0, 0.0]), way[:, 2])
-            row = int(runtime.node_rows[animation.top])
-            node = runtime.asset.nodes[animation.top]
+            row = int(runtime.cast_rows[animation.top])
+            node = runtime.cast[animation.top]
             place = quat.rotate(turn, np.array(node.translation)) + np.stack(
                 [way[:, 0], 0 * way[:, 0], way[:, 1]], axis=1
             )
@@ -258,11 +260,11 @@ def _sampled(session: Session, times: F8) -> Any:
     active = [runtime.clips[i] for i in runtime.deck.active]
     if not active:
         return None
-    rig = rig_of(runtime.asset.nodes, moved_nodes(active, len(runtime.asset.nodes)))
+    rig = rig_of(runtime.cast, moved_nodes(active, len(runtime.cast)))
     pose = poses.resting(rig.rest, len(times))
     for clip in active:
         ClipSampler(clip, rig).sample(times, pose)
-    return runtime.node_rows[rig.source], pose, (-1, None)
+    return runtime.cast_rows[rig.source], pose, (-1, None)
 
 
 def _ghosts(session: Session, origin: tuple[float, float], width: float, height: float) -> None:
@@ -290,7 +292,7 @@ def _root_path(session: Session, origin: tuple[float, float], width: float, heig
         return
     times = np.linspace(0.0, animation.sequence.duration, 128)
     way = animation.sequence.way(times)
-    start = np.asarray(runtime_of(session).asset.nodes[animation.top].translation)
+    start = np.asarray(runtime_of(session).cast[animation.top].translation)
     points = start + np.stack([way[:, 0], 0 * way[:, 0], way[:, 1]], axis=1)
     pixels, depth = project(session.camera, points, width, height)
     pixels = pixels + np.array(origin)

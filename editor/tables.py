@@ -57,6 +57,21 @@ class NodeColumns:
     def __init__(self, nodes: Any, scene: Any = None) -> None:
         self._nodes, self._scene = nodes, scene
 
+    def own(self, column: str, rows: Sequence[int], values: Sequence[Any]) -> tuple[Any, ...]:
+        """`values` of the table without what clips do to these rows now, where they move about places of their own: as
+        `write` takes them, wherever time stands."""
+        places = getattr(self._scene, "places", None)
+        if places is None or column not in (*LOCAL_PARTS, "local"):
+            return tuple(values)
+        found = []
+        for row, value in zip(rows, values, strict=True):
+            if column == "local":
+                parts = [places.own_of(i, row, np.asarray(part, np.float64)) for i, part in enumerate(value[:3])]
+                found.append((*map(plain, parts), value[3]) if value[3] is None else value)
+            else:
+                found.append(plain(places.own_of(LOCAL_PARTS.index(column), row, np.asarray(value, np.float64))))
+        return tuple(found)
+
     def read(self, column: str, rows: Sequence[int]) -> tuple[Any, ...]:
         if column == "local":
             return tuple(self._local(row) for row in rows)
@@ -73,6 +88,8 @@ class NodeColumns:
                 self._nodes.set_trs([row], [translation], [rotation], [scale])
                 if matrix is not None:
                     self._nodes.set_matrix(row, np.array(matrix))
+                else:
+                    self._stand((0, 1, 2), [row])
             return
         if column == "weights":
             for row, value in zip(rows, values, strict=True):
@@ -89,6 +106,14 @@ class NodeColumns:
         dtype = np.bool_ if column == "visible" else np.float64
         setter = getattr(self._nodes, f"set_{column}")
         setter(np.asarray(rows, dtype=np.int64), np.asarray(values, dtype=dtype))
+        if column in LOCAL_PARTS:
+            self._stand((LOCAL_PARTS.index(column),), rows)
+
+    def _stand(self, parts: Sequence[int], rows: Sequence[int]) -> None:
+        places = getattr(self._scene, "places", None)
+        for row in rows if places is not None else ():
+            for part in parts:
+                places.stand(part, int(row))
 
     def _local(self, row: int) -> tuple[Any, ...]:
         nodes = self._nodes

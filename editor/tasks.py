@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from editor import work
+from editor.baking import surroundings_waiting
 from editor.session import Session
 
 
@@ -34,6 +35,8 @@ def running(session: Session) -> list[Task]:
         found.append(_counted("Compiling shaders", *session.image.compiling))
     if session.image.rehearsing is not None:
         found.append(_counted("Preparing other views", *session.image.rehearsing))
+    if surroundings_waiting(session):
+        found.append(Task("Baking the surroundings", "The picture keeps those of before until then"))
     waiting = session.asset_pictures.waiting
     if waiting:
         found.append(Task("Thumbnails", f"{waiting} to go"))

@@ -127,9 +127,14 @@ def high_contrast() -> bool:
     return THEMES["high-contrast"]["PANEL"] == PANEL
 
 
-def apply(scale: float = 1.0) -> None:
-    """Set imgui's style. `scale` is the user's own factor on top of the display's."""
-    style = imgui.get_style()
+def apply(scale: float = 1.0, display: float = 1.0) -> None:
+    """Set imgui's style, whatever it was before. `scale` is the user's own factor on top of the display's, which sizes
+    want too (`display`) once the window has scaled what it found at the start; fonts have it already."""
+    style, fresh = imgui.get_style(), imgui.Style()
+    for name in dir(fresh):  # scaling goes over all sizes: those that are not set here must not grow each time
+        value = getattr(fresh, name)
+        if isinstance(value, (float, imgui.ImVec2)) and not name.startswith("font_"):
+            setattr(style, name, value)
     style.window_padding = imgui.ImVec2(10, 8)
     style.frame_padding = imgui.ImVec2(8, 4)
     style.cell_padding = imgui.ImVec2(6, 3)
@@ -157,7 +162,7 @@ def apply(scale: float = 1.0) -> None:
     style.disabled_alpha = 0.7 if high_contrast() else 0.45
     style.hover_delay_short = 0.25
     style.font_scale_main = scale
-    style.scale_all_sizes(scale)
+    style.scale_all_sizes(scale * display)
     for name, color in _colors().items():
         style.set_color_(getattr(imgui.Col_, name), imgui.ImVec4(*color))
 

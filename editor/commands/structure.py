@@ -5,7 +5,8 @@ Each function changes the scene by its own means between two looks at its tables
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -22,6 +23,9 @@ from engine.scene.patch import ScenePatch, difference, put, remember
 
 if TYPE_CHECKING:
     from editor.document import Document
+
+#: columns of a node: each says something of the same place, and the latest counts
+PLACE = ("translation", "rotation", "scale", "local")
 
 Overrides = Mapping[tuple[str, str, int], Any]
 
@@ -64,7 +68,9 @@ class StructureCommand:
     def apply(self, document: Document) -> None:
         """Bring the document to the state after this command."""
         scene = document.runtime.scene
-        put(scene, self.patch.after)
+        with _rested(document):
+            put(scene, self.patch.after)
+            _follow(document)
         objects = getattr(document.runtime, "objects", None)
         if objects is not None:
             rows = self.patch.after.tables["instances"].rows
@@ -80,20 +86,38 @@ def change(document: Document, label: str, make: Callable[[], Sequence[int]], lo
 
     What `make` raises comes through, after the scene was put back."""
     scene = document.runtime.scene
-    before, selected, overrides = remember(scene), document.selection, dict(document.overrides)
+    with _rested(document):
+        before, selected, overrides = remember(scene), document.selection, dict(document.overrides)
     try:
         after = tuple(int(r) for r in make())
     except InputError:
-        put(scene, difference(scene, before).before)
+        with _rested(document):
+            put(scene, difference(scene, before).before)
         document.overrides = overrides
         raise
-    patch = difference(scene, before)
+    with _rested(document):
+        patch = difference(scene, before)
     living = {name: getattr(scene, name).alive for name in ("nodes", "lights", "cameras")}
     living["drifts"] = living["nodes"]
     kept = {k: v for k, v in document.overrides.items() if k[0] not in living or living[k[0]][k[2]]}
     sides = (selected, after), (overrides, kept)
     files = tuple(str(path) for path in loads)
     document.history.do(StructureCommand(patch, *sides, label, document.doing, files))
+
+
+def _follow(document: Document) -> None:
+    follow = getattr(document.runtime, "follow_structure", None)
+    if follow is not None:
+        follow()
+
+
+@contextmanager
+def _rested(document: Document) -> Iterator[None]:
+    """Copies with places of their own stand there, wherever time stands: it is another when this is undone."""
+    _follow(document)
+    places = document.runtime.scene.places
+    with places.rested() if places is not None else nullcontext():
+        yield
 
 
 def load(document: Document, files: Sequence[str]) -> None:
@@ -209,6 +233,10 @@ def copy_nodes(document: Document, heads: Sequence[int]) -> list[int]:
     nodes.set_visible(news, nodes.visible[olds])
     _copy_contents(scene, np.array(olds), news)
     _follow_clips(scene, olds, news.tolist(), head)
+    new_of = dict(zip(olds, news.tolist(), strict=True))
+    for (table, column, row), value in list(document.overrides.items()):
+        if table == "nodes" and column in PLACE and row in new_of and row not in head:
+            document.overrides[table, column, new_of[row]] = value  # posed by clips, it rests there
     return [int(news[index[top]]) for top in heads]
 
 
@@ -319,9 +347,10 @@ def hang(document: Document, row: int, parent: int) -> None:
     if abs(float(np.linalg.det(above[:3, :3]))) < 1e-30:
         raise InputError(f"{nodes.name[parent]!r} is scaled to nothing, so nothing can keep its place below it")
     nodes.set_matrix(row, transform.inverse_affine(above) @ world)
-    for column in ("translation", "rotation", "scale", "local"):
+    for column in PLACE:
         document.overrides.pop(("nodes", column, row), None)
-    document.overrides["nodes", "local", row] = document.tables["nodes"].read("local", (row,))[0]
+    nodes_table = document.tables["nodes"]
+    document.overrides["nodes", "local", row] = nodes_table.own("local", (row,), nodes_table.read("local", (row,)))[0]
 
 
 def _what(document: Document, rows: Sequence[int]) -> str:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from editor.commands.command import Edit
+from editor.commands.command import VIEW_TABLE, Edit
 from engine.core.errors import InputError
 
 if TYPE_CHECKING:
@@ -114,6 +114,6 @@ def before_last_edit(session: Session) -> Moment | None:
         return None
     settings = dict(session.settings.values())
     last = entries[-1]
-    if last.of_view:
+    if last.target[0] == VIEW_TABLE:
         settings |= dict(zip(last.target[1].split(","), getattr(last, "before", ((),))[0], strict=True))
     return Moment(f"Before: {last.describe()}", settings, entries[-2] if len(entries) > 1 else None)

@@ -25,7 +25,8 @@ class PickList:
         if not imgui.begin_popup(self.NAME):
             return
         document = session.document
-        if document is None:
+        beside = imgui.is_mouse_clicked(imgui.MouseButton_.left) and not imgui.is_window_hovered()
+        if document is None or beside or imgui.is_key_pressed(imgui.Key.escape, False):
             imgui.close_current_popup()
         else:
             text("Under the pointer", theme.FAINT)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from fnmatch import fnmatchcase
 from typing import ClassVar
 
 from imgui_bundle import imgui
@@ -16,7 +18,7 @@ from engine.core.param import Param
 from engine.render.one_sample import along, idle
 from engine.render.presets import NAMES
 
-#: heading -> names; what is in none goes under the last
+#: heading -> names, or what they begin with; what is in none goes under the last
 GROUPS: dict[str, tuple[str, ...]] = {
     "Look": ("exposure", "tone_map", "view"),
     "Environment": (
@@ -24,10 +26,32 @@ GROUPS: dict[str, tuple[str, ...]] = {
     ),
     "Lens": (
         "auto_exposure", "auto_low", "auto_high", "auto_limit", "adapt_darker", "adapt_brighter", "bloom",
-        "bloom_radius", "bloom_calm", "depth_of_field", "focus", "f_stop", "sensor",
+        "bloom_radius", "bloom_calm", "depth_of_field", "focus", "f_stop", "sensor", "focus_taps",
     ),
+    "Edges": ("samples", "antialias", "smaa_*", "taa_*", "alpha_to_coverage"),
+    "Shadows": ("shadows", "shadow_*", "translucent_shadows", "sun_angle", "local_shadow*", "soft_lamps"),
+    "Ambient occlusion": ("ambient_occlusion", "ao_*"),
+    "Light between surfaces": ("gi", "gi_*", "reflection*"),
     "Quality": (),
 }  # fmt: skip
+
+
+#: names, or what they begin with -> settings with values that want nothing of them: where all have, they are not shown
+PARTS_OF: dict[str, dict[str, tuple[object, ...]]] = {
+    "taa_*": {"antialias": ("none", "fxaa", "smaa")},
+    "smaa_*": {"antialias": ("none", "fxaa", "taa")},
+    "ao_*": {"ambient_occlusion": ("off",)},
+    "gi_*": {"gi": ("off",), "reflections": (False,)},  # reflections look into the same layers
+    "reflection_*": {"reflections": (False,)},
+    "auto_l*": {"auto_exposure": (False,)},
+    "auto_high": {"auto_exposure": (False,)},
+    "adapt_*": {"auto_exposure": (False,)},
+    "bloom_*": {"bloom": (0.0,)},
+    "focus*": {"depth_of_field": (False,)},
+    "f_stop": {"depth_of_field": (False,)},
+    "sensor": {"depth_of_field": (False,)},
+    "alpha_to_coverage": {"samples": (1,)},
+}
 
 
 class RenderSettingsPanel(Panel):
@@ -38,12 +62,15 @@ class RenderSettingsPanel(Panel):
     def draw(self, ui: Ui) -> None:
         settings = ui.session.settings
         samples = int(getattr(settings, "samples", 1))
-        unused = idle(settings.values())
+        values = settings.values()
+        unused = idle(values)
         self._quality(ui)
         for heading, params in grouped(settings.PARAMS).items():
             if params and section(ui, heading):
                 with property_grid(heading) as shown:
                     for param in params if shown else ():
+                        if not means(param.name, values):
+                            continue
                         why = unused.get(param.name, "")
                         changed, value = param_row(param, getattr(settings, param.name), more=why)
                         if why:
@@ -68,12 +95,18 @@ class RenderSettingsPanel(Panel):
         imgui.spacing()
 
 
+def means(name: str, values: Mapping[str, object]) -> bool:
+    """Whether a parameter says anything beside these settings: those of what is off need no place."""
+    wholes = next((of for pattern, of in PARTS_OF.items() if fnmatchcase(name, pattern)), {})
+    return not wholes or any(values.get(whole) not in off for whole, off in wholes.items())
+
+
 def grouped(params: tuple[Param, ...]) -> dict[str, list[Param]]:
     """The parameters under the headings of GROUPS, in declaration order."""
     rows: dict[str, list[Param]] = {heading: [] for heading in GROUPS}
     last = list(GROUPS)[-1]
     for param in params:
-        heading = next((h for h, names in GROUPS.items() if param.name in names), last)
+        heading = next((h for h, names in GROUPS.items() if any(fnmatchcase(param.name, n) for n in names)), last)
         rows[heading].append(param)
     return rows
 

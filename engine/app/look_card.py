@@ -35,6 +35,8 @@ PATCHES = (
 )  # fmt: skip
 COLUMNS, ROWS = 6, 4
 GREY, CHROME = 0.18, 0.95
+#: a Lambertian surface: what it sends back is its colour times the light that arrives
+MATT = {"metallic": 0.0, "roughness": 1.0, "specular": 0.0}
 #: what is behind, scene-linear
 GROUND = (0.02, 0.02, 0.022)
 _RADIUS, _PATCH, _STEP = 0.44, 0.2, 0.23
@@ -65,7 +67,7 @@ class LookCard:
         self._meshes: dict[int, int] = {}
         self._top = self.runtime.scene.nodes.add("card")
         ball = uv_sphere(_RADIUS)
-        self._add(ball, "grey", (-1.25, 0.0), base_color=(GREY,) * 3 + (1.0,), roughness=1.0)
+        self._add(ball, "grey", (-1.25, 0.0), base_color=(GREY,) * 3 + (1.0,), **MATT)
         self._add(ball, "chrome", (-0.25, 0.0), base_color=(CHROME,) * 3 + (1.0,), roughness=0.0, metallic=1.0)
         patch = card(_PATCH)
         for i, text in enumerate(PATCHES):
@@ -73,7 +75,7 @@ class LookCard:
             at = 1.0 + (column - 0.5 * (COLUMNS - 1)) * _STEP, (0.5 * (ROWS - 1) - row) * _STEP
             encoded = np.array([int(text[k : k + 2], 16) for k in (0, 2, 4)]) / 255.0
             color = tuple(float(v) for v in srgb_to_linear(encoded))
-            self._add(patch, f"patch {i + 1}", at, base_color=(*color, 1.0), roughness=1.0)
+            self._add(patch, f"patch {i + 1}", at, base_color=(*color, 1.0), **MATT)
 
     def render(
         self, rotation: NDArray[np.float64], settings: RenderSettings, width: int, height: int,

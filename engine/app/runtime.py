@@ -298,7 +298,7 @@ class Runtime:
         number = self.deck.find(clip)
         whose = self.instance_clips.prefab_of(number)
         others = [n for n in self.deck.active if self.instance_clips.prefab_of(n) != whose]
-        self.play(*others, number, mode=self.deck.mode, speed=self.deck.speed)
+        self.play(number, *others, mode=self.deck.mode, speed=self.deck.speed)
 
     def play_beside(self, key: Hashable, clip: ClipAsset | None) -> None:
         """Play a clip whose channels count nodes by scene rows, beside all else, until it is None for that `key`."""

@@ -6,6 +6,7 @@
     material.py MaterialAsset, TextureRef         material_toml.py *.material.toml
     scene.py    SceneAsset, NodeAsset …           scene_json.py   *.scene.json (one node a line)
     ies.py      PhotometricProfile: foreign, but read as it is, since a luminaire's maker signs for its bytes
+    prefab.py   a scene that stands in others; prefab_clips.py: what it plays there
     samples/    scenes made by code: walker, atrium, poles
     environment_dds.py  baked environments: a prefiltered cube with SH9 in its extras
 

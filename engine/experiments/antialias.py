@@ -188,7 +188,8 @@ def in_motion(ctx: Context) -> Table:
     rows = []
     for mode, how in modes(ctx).items():
         still, moving = thin_line(ctx.device, how, 0.0), thin_line(ctx.device, how)
-        restless = thin_line(ctx.device, how, 0.0, restless=True)
+        # what keeps nothing between frames knows nothing of others
+        restless = thin_line(ctx.device, how, 0.0, restless=True) if how.get("antialias") == "taa" else still
         rows.append([
             mode, f"{100.0 * left_behind(ctx.device, how):.2g} %",
             *(f"{100.0 * line.light:.3g} %" for line in (still, moving, restless)),

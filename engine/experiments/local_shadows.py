@@ -28,12 +28,13 @@ from engine.experiments.harness.pixel_truth import (
 from engine.experiments.harness.pixel_truth import picture_size as size
 from engine.experiments.harness.scenes import LIVE, MADE, open_scene, own_or, short
 from engine.render.settings import RenderSettings
+from engine.render.shadows.quality import FILTERS
 from engine.render.view import View
 from engine.report.perceptual import flip
 from engine.scene.lights import LIGHT_TYPES
 
 SCENES = (MADE + "room",)
-LIGHTS, FILTERS = ("spot", "point"), ("none", "pcf", "vogel8", "vogel16")
+LIGHTS = ("spot", "point")
 SIZES = (256, 512, 1024, 2048, 4096)
 SIZE = 2048  # what RenderSettings has
 
@@ -48,7 +49,7 @@ def knobs(ctx: Context) -> list[dict[str, Any]]:
             rows = [{**base, "filter": "auto", "size": SIZE}]
             rows += [{**base, "filter": "none", "size": s} for s in sizes]
             if not ctx.quick:
-                rows += [{**base, "filter": f, "size": s} for f in FILTERS[1:] for s in (SIZES[2], SIZE)]
+                rows += [{**base, "filter": f, "size": s} for f in FILTERS if f != "none" for s in (SIZES[2], SIZE)]
             found += rows
     return found
 
@@ -131,8 +132,9 @@ def judge(ctx: Context, scene: OpenScene, chosen: Knobs, found: PixelTruth) -> O
     a, b = greys(size(ctx), found.rows, ours, found.value)
     error["flip"] = flip(a, b)[0]
     pictures = []
-    if chosen["size"] == SIZE:
-        pictures = beside_truth(ctx, f"{chosen['light']}, {chosen['filter']}", a, "a ray to the light", b)
+    if chosen["size"] == SIZE and chosen["filter"] != "auto":
+        caption = f"{short(str(chosen['scene']))}, {chosen['light']}: {chosen['filter']}"
+        pictures = beside_truth(ctx, caption, a, "a ray to the light", b)
     return Outcome(error, pictures=pictures)
 
 

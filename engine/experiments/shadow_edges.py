@@ -35,7 +35,7 @@ PENUMBRA, CASTERS = "penumbra", "two casters"
 #: degrees
 SUN = 3.0
 #: texels, of three cascades
-MAP = 1024
+MAP = 512
 #: metres of the edges over the floor, one behind the other
 HEIGHTS = (0.25, 0.5, 1.0, 2.0)
 SOFTNESS = (1.0, 3.0, 8.0)
@@ -47,7 +47,7 @@ def knobs(ctx: Context) -> list[dict[str, Any]]:
     taking the least light for none."""
     found: list[dict[str, Any]] = []
     soft = SOFTNESS[1:2] if ctx.quick else SOFTNESS
-    plain = {"precision": "single", "leak": RenderSettings().shadow_leak, "size": MAP // 2 if ctx.quick else MAP}
+    plain = {"precision": "single", "leak": RenderSettings().shadow_leak, "size": MAP}
     for filter in FILTERS:
         fixed = filter not in ("none", "pcf", "pcss")
         found += [{"scene": PENUMBRA, "filter": filter, "softness": s, **plain} for s in (soft if fixed else (1.5,))]
@@ -95,10 +95,10 @@ def made(ctx: Context, name: str) -> Made:
     return Made(scene, truth.ravel())
 
 
-def above(center: tuple[float, float], half: float) -> Camera:
-    """Straight down; picture right is +X, picture down is +Z."""
+def above(center: tuple[float, float], half: float, height: float = 8.0) -> Camera:
+    """Straight down from `height`; picture right is +X, picture down is +Z."""
     x, z = center
-    return Camera(look_at((x, 8.0, z), (x, 0.0, z), (0.0, 0.0, -1.0)), ymag=half, znear=0.1, zfar=20.0)
+    return Camera(look_at((x, height, z), (x, 0.0, z), (0.0, 0.0, -1.0)), ymag=half, znear=0.1, zfar=20.0)
 
 
 def judged_rows(name: str) -> NDArray[np.int64]:
@@ -139,7 +139,8 @@ def run(ctx: Context, chosen: Knobs) -> Trial:
         pictures = []
         if chosen["softness"] in (1.5, 3.0) and chosen["precision"] == "single" and name == PENUMBRA:
             a, b = greys(SIZE, rows, ours, found.truth[rows])
-            pictures = beside_truth(ctx, str(chosen["filter"]), a, "the sun's disc, cut", b)
+            caption = f"{chosen['filter']}, {chosen['softness']:g} texels"
+            pictures = beside_truth(ctx, caption, a, "the sun's disc, cut", b)
         return Outcome(error, pictures=pictures)
 
     return redrawn(ctx, scene, seen, judge, another_sun)

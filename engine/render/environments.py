@@ -17,6 +17,7 @@ from engine.core.errors import InputError
 from engine.core.findings import Findings
 from engine.core.paths import shaders_dir
 from engine.gpu.types import Device
+from engine.render.background_bakes import BackgroundBakes
 from engine.resources.environment import EnvironmentMap
 
 #: No light of a surrounding is brighter: products of several such numbers still are float32.
@@ -36,21 +37,56 @@ class Environments:
         self._maps: dict[tuple[object, ...], EnvironmentMap] = {}
         self.baker: Baker | None = None
         self.findings = Findings()
+        #: where it is set, surroundings are baked in a thread, which calls it when one is there; meanwhile those that
+        #: were shown last stay
+        self.told: Callable[[], None] | None = None
+        self._bakes: BackgroundBakes | None = None
+        self._shown: tuple[object, ...] | None = None
 
     def get(self, environment: EnvironmentAsset) -> EnvironmentMap:
         key = environment_key(environment)
         found = self._maps.get(key)
         if found is None:
-            found = self._maps[key] = self._load(environment)
+            found = self._load(key, environment)
+            if found is None:
+                return self._meanwhile()
+            self._maps[key] = found
             while len(self._maps) > self.KEEP:
-                self._maps.pop(next(iter(self._maps))).release()
+                self._maps.pop(next(k for k in self._maps if k != self._shown)).release()
+        self._shown = key
         return found
 
-    def _load(self, environment: EnvironmentAsset) -> EnvironmentMap:
+    @property
+    def baking(self) -> int:
+        """How many surroundings are being made in threads."""
+        return self._bakes.waiting if self._bakes is not None else 0
+
+    @property
+    def baked(self) -> int:
+        """Grows when one of those is there: the next picture is another."""
+        return self._bakes.done if self._bakes is not None else 0
+
+    def _meanwhile(self) -> EnvironmentMap:
+        """What was shown last, else the studio."""
+        if self._shown is None or self._shown not in self._maps:
+            self._shown = ("studio",)
+            self._maps.setdefault(self._shown, EnvironmentMap.from_file(self._device, _studio()))
+        return self._maps[self._shown]
+
+    def _baked_file(self, key: tuple[object, ...], environment: EnvironmentAsset) -> Path | None:
+        """None while it is made in a thread."""
+        assert self.baker is not None
+        if self.told is None:
+            return self.baker(environment)
+        if self._bakes is None:
+            self._bakes = BackgroundBakes(self.told)
+        return self._bakes.get(key, lambda bake=self.baker: bake(environment))
+
+    def _load(self, key: tuple[object, ...], environment: EnvironmentAsset) -> EnvironmentMap | None:
         kind = environment.kind
         if kind in ("uniform", "none"):
             return EnvironmentMap.uniform(self._device, environment.color if kind == "uniform" else (0.0, 0.0, 0.0))
-        studio = shaders_dir() / "data" / "studio.env.dds"
+        studio = _studio()
         try:
             if kind == "studio":
                 return EnvironmentMap.from_file(self._device, studio)
@@ -58,7 +94,8 @@ class Environments:
                 raise InputError(
                     f"environment {kind!r} has to be baked first", hint="open the scene through the importers"
                 )
-            return EnvironmentMap.from_file(self._device, self.baker(environment))
+            file = self._baked_file(key, environment)
+            return EnvironmentMap.from_file(self._device, file) if file is not None else None
         except InputError as error:
             self.findings.error("environment.unreadable", str(error), hint="the studio is shown instead")
             return EnvironmentMap.from_file(self._device, studio)
@@ -67,6 +104,11 @@ class Environments:
         for env_map in self._maps.values():
             env_map.release()
         self._maps.clear()
+        self._shown = None
+
+
+def _studio() -> Path:
+    return shaders_dir() / "data" / "studio.env.dds"
 
 
 def environment_key(environment: EnvironmentAsset) -> tuple[object, ...]:

@@ -221,11 +221,13 @@ class RenderSettings(ParamBlock):
     reflection_distance: float = param(
         0.0, min=0.0, max=1e6, step=0.1, unit="m", doc="how far they see; 0 = by the scene"
     )
-    reflection_steps: int = param(32, min=4, max=256, doc="places along a mirrored ray")
+    reflection_steps: int = param(
+        128, min=4, max=1024, doc="pieces of the picture that a mirrored ray goes through at most, large ones where it can"
+    )
     refraction: str = param(
         "tested", choices=REFRACTIONS,
-        doc="bodies that light passes: tested: bend it, and never show what is in front of them; bent: may do so, and take"
-        " less time; straight: bend nothing",
+        doc="bodies that light passes: tested: bend it, and never show what is in front of them; bent: may do so, and"
+        " take less time; straight: bend nothing",
     )  # fmt: skip
     planar_mirrors: int = param(
         2, min=0, max=4,

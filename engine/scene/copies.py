@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -20,6 +22,8 @@ I8 = NDArray[np.int64]
 Trs = tuple[F8, F8, F8]
 
 PATHS = ("translation", "rotation", "scale")
+#: moves that leave a translation, a rotation, a scale exactly as it is
+_NO_MOVE = (np.zeros(3), np.array([0.0, 0.0, 0.0, 1.0]), np.ones(3))
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,6 +96,7 @@ class OwnPlaces:
         self._rest: Trs = (nodes.translation.copy(), nodes.rotation.copy(), nodes.scale.copy())
         self._generation = nodes.generation.copy()
         self._known: dict[tuple[int, int], _Own] = {}
+        self._resting = False
 
     def adopt(self, copies: Copies) -> None:
         """Find the own places of placed `copies` that are new. One made while its leader is in the midst of a move is
@@ -102,10 +107,10 @@ class OwnPlaces:
                 if self._entry(number, row) is not None:
                     continue
                 still = self._alive(row) or not self._alive(leader)
-                rest = self._rest[number][leader]
-                move = _move(number, rest, rest if still else column[leader])
+                moved = not (still or self._resting or np.array_equal(column[leader], self._rest[number][leader]))
+                move = _move(number, self._rest[number][leader], column[leader]) if moved else _NO_MOVE[number]
                 own, now = _back(number, column[row], move), column[row].copy()
-                self._known[number, row] = _Own(int(self._nodes.generation[row]), own, move, now)
+                self._known[number, row] = _Own(int(self._nodes.generation[row]), own, move, now, moved)
 
     def write(self, copies: Copies, path: str, rows: I8, values: F8) -> None:
         """Let the placed of `copies` follow their leaders among `rows` i8[k], which are set to `values`."""
@@ -118,10 +123,7 @@ class OwnPlaces:
             own = self._own(number, row)
             if own is None:
                 continue
-            move = _move(number, self._rest[number][int(rows[i])], values[i])
-            self._set(number, row, _forth(number, own, move))
-            now = self._columns()[number][row].copy()
-            self._known[number, row] = _Own(int(self._nodes.generation[row]), own, move, now, moved=True)
+            self._pose(number, row, own, _move(number, self._rest[number][int(rows[i])], values[i]))
 
     def rest(self) -> None:
         """Put them back to their own places."""
@@ -132,7 +134,39 @@ class OwnPlaces:
             elif entry.moved:
                 self._set(number, row, own)
                 now = self._columns()[number][row].copy()
-                self._known[number, row] = _Own(entry.generation, own, _move(number, now, now), now)
+                self._known[number, row] = _Own(entry.generation, own, _NO_MOVE[number], now)
+
+    @contextmanager
+    def rested(self) -> Iterator[None]:
+        """Within, they stand at their own places, and so do those that come: what is kept of the table then holds
+        wherever time stands. Afterwards those that were moved are moved as before."""
+        if self._resting:
+            yield
+            return
+        moves = {key: entry.move for key, entry in self._known.items() if entry.moved}
+        self.rest()
+        self._resting = True
+        try:
+            yield
+        finally:
+            self._resting = False
+            for (number, row), move in moves.items():
+                own = self._own(number, row)
+                if own is not None:
+                    self._pose(number, row, own, move)
+
+    def own_of(self, number: int, row: int, value: F8) -> F8:
+        """What a `value` of the table, with what clips do to the node now, is without that."""
+        entry = self._entry(number, row)
+        if entry is None or not entry.moved:
+            return value
+        return entry.own if np.array_equal(value, entry.written) else _back(number, value, entry.move)
+
+    def stand(self, number: int, row: int) -> None:
+        """The table was just given an own place: add what clips do to the node now."""
+        entry = self._entry(number, row)
+        if entry is not None and entry.moved:
+            self._pose(number, row, self._columns()[number][row].copy(), entry.move)
 
     def of(self, row: int) -> Trs:
         """The own translation, rotation and scale of any node: where it stands, unless a clip moves it from there."""
@@ -142,6 +176,11 @@ class OwnPlaces:
             own = self._own(number, row) if entry is not None and entry.moved else None
             found.append(column[row] if own is None else own)
         return found[0], found[1], found[2]
+
+    def _pose(self, number: int, row: int, own: F8, move: F8) -> None:
+        self._set(number, row, _forth(number, own, move))
+        now = self._columns()[number][row].copy()
+        self._known[number, row] = _Own(int(self._nodes.generation[row]), own, move, now, moved=True)
 
     def _own(self, number: int, row: int) -> F8 | None:
         entry = self._entry(number, row)

@@ -20,6 +20,7 @@ from engine.assets.lmesh import read_lmesh
 from engine.assets.material import MaterialAsset
 from engine.assets.material_toml import read_material
 from engine.assets.mesh import MeshAsset, Submesh
+from engine.assets.prefab_clips import clips_of_instances
 from engine.assets.scene import EnvironmentAsset, LookAsset, MeshRef, NodeAsset
 from engine.assets.scene_json import read_scene
 from engine.core.errors import InputError
@@ -159,6 +160,10 @@ def _from_scene(path: Path, settings: ImportSettings) -> ExportSource:
         return pictures[file]
 
     clips = [spread(read_lanim(folder / clip), scene.nodes) for clip in scene.clips]
+    try:
+        clips += clips_of_instances(scene, folder, findings)
+    except InputError as error:
+        findings.error("prefab.unreadable", str(error), hint="its instances are written as they stand in the scene")
     return ExportSource(
         scene.name, findings, scene.nodes, meshes, materials, of, clips, picture,
         environment=scene.environment, look=scene.look,

@@ -11,7 +11,7 @@ layout(binding = 20) uniform usampler2D t_shape;
 // A texel of `level`, and the one of the full size that it stands for.
 ivec2 texel_of(ivec2 texel, int level, out ivec2 whole)
 {
-    ivec2 at = min(texel >> level, textureSize(t_depths, level) - 1);
+    ivec2 at = min(texel >> level, last_texel(textureSize(t_depths, 0), level));
     whole = whole_texel(at, level);
     return at;
 }
@@ -27,17 +27,17 @@ vec3 calm_light(ivec2 whole, int level, int layer, float depth, int coarser)
 {
     const float CALM = 4.0;
     int wide = min(level + coarser, LEVELS - 1);
-    ivec2 at = min(whole >> level, textureSize(t_depths, level) - 1);
+    ivec2 at = min(whole >> level, last_texel(textureSize(t_depths, 0), level));
     vec3 light = sent_by(at, level, layer);
     for (int k = wide; k > level; --k) {
-        at = min(whole >> k, textureSize(t_depths, k) - 1);
+        at = min(whole >> k, last_texel(textureSize(t_depths, 0), k));
         vec2 depths = texelFetch(t_depths, at, k).xy;
         if (abs((layer == 0 ? depths.x : depths.y) - depth) < 0.1 * depth) {
             light = sent_by(at, k, layer);
             break;
         }
     }
-    at = min(whole >> (LEVELS - 1), textureSize(t_depths, LEVELS - 1) - 1);
+    at = min(whole >> (LEVELS - 1), last_texel(textureSize(t_depths, 0), LEVELS - 1));
     vec3 about = CALM * max(sent_by(at, LEVELS - 1, 0), sent_by(at, LEVELS - 1, LAYERS - 1));
     return any(greaterThan(about, vec3(0.0))) ? min(light, max(about.r, max(about.g, about.b))) : light;
 }

@@ -47,7 +47,7 @@ vec3 blocker(ivec2 pixel, ivec2 own, vec3 p, out bool seen)
     int level = min(int(floor(0.5 * log2(dot(apart, apart)))) - FINE, LEVELS);
     float depth;
     if (level > 0) {
-        ivec2 texel = min(pixel >> level, textureSize(t_depths, level - 1) - 1);
+        ivec2 texel = min(pixel >> level, last_texel(textureSize(t_depths, 0), level - 1));
         depth = texelFetch(t_depths, texel, level - 1).r;
         pixel = whole_texel(texel, level);
     } else {

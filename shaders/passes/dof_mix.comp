@@ -30,8 +30,8 @@ void main()
         vec2 w = mix(1.0 - t, t, vec2(corner));
         float weight = w.x * w.y;
         float other = 2.0 * kept_radius(texelFetch(t_half, q, 0).a);
-        // of what is as blurred as this pixel is
-        float alike = weight / (0.1 + abs(other - radius));
+        // of what is as blurred as this pixel is: what is sharp leaves no seam about itself
+        float alike = weight / (0.1 + (other - radius) * (other - radius));
         behind += alike * vec4(texelFetch(t_behind, q, 0).rgb, 1.0);
         vec4 c = texelFetch(t_before, q, 0);
         before += weight * vec4(c.rgb * c.a, c.a);

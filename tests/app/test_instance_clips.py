@@ -76,7 +76,7 @@ def test_another_clip_of_a_prefab_replaces_its_own_only(level: Runtime) -> None:
     level.play_of_cast("hero/reach")
     level.update(1.0)
     assert arms(level) == [[1.0, 0.0, 0.0]] * 2 + [[0.0, 1.0, 0.0]] * 2
-    assert [level.clips[i].name for i in level.deck.active] == ["open", "pair/hero/wave", "hero/reach"]
+    assert [level.clips[i].name for i in level.deck.active] == ["hero/reach", "open", "pair/hero/wave"]
     level.play("open")
     level.update(0.25)
     assert arms(level) == [[0.0] * 3] * 4, "what plays no more rests, copies too"
@@ -156,3 +156,13 @@ def test_a_lost_prefab_leaves_its_instance_at_rest(folder: Path) -> None:
     assert "prefab.unreadable" in [f.code for f in runtime.findings]
     assert sum(ROOT in n.extras for n in runtime.asset.nodes) == 5
     runtime.close()
+
+
+def test_an_export_has_them_too(folder: Path) -> None:
+    from importers.export.source import load_source
+    from importers.settings import ImportSettings
+
+    source = load_source(folder / "level.scene.json", ImportSettings())
+    assert [c.name for c in source.clips] == ["open", "hero/wave", "hero/reach", "pair/hero/wave", "pair/hero/reach"]
+    moved = [[source.nodes[channel.node].name for channel in clip.channels] for clip in source.clips]
+    assert moved == [["door"], ["arm", "arm"], ["arm", "arm"], ["arm", "arm"], ["arm", "arm"]]

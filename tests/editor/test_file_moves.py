@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import json
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -16,6 +19,7 @@ from editor.commands import structure
 from editor.session import Session
 from engine.assets.scene_json import read_scene
 from engine.core.errors import InputError
+from importers.project import move_log
 
 
 @pytest.fixture
@@ -171,6 +175,21 @@ def test_undo_and_redo_keep_what_was_written_since(session: Session, project: Pa
     session.redo()
     assert '"foot"' in late.read_text()
     assert "crimson.material.toml" in late.read_text()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="a process of that number may live there")
+def test_the_log_says_what_of_an_interrupted_move_was_put_back(session: Session, project: Path) -> None:
+    died = subprocess.run([sys.executable, "-c", "import os; print(os.getpid())"], capture_output=True, check=True)
+    todo, done = project / "notes/todo.txt", project / "notes/done.txt"
+    for door in (lambda: opened(session, project), lambda: file_moves.move(session, todo, project / "todo.txt")):
+        intent = move_log.begin(project, {todo: done}, {}, [])
+        intent.write_text(json.dumps({**json.loads(intent.read_text()), "process": int(died.stdout)}))
+        todo.rename(done)
+        session.messages.clear()
+        door()
+        said = [m.text for m in session.messages.snapshot()]
+        assert any("interrupted move was put back: notes/todo.txt" in text for text in said), said
+    assert (project / "todo.txt").is_file()
 
 
 def test_what_was_locked_and_is_gone_is_not_in_the_way(session: Session, project: Path) -> None:

@@ -68,6 +68,12 @@ def test_an_event_keeps_it_awake_for_a_moment(session: Session, idling: Idling) 
     assert idling.pause(session, 200.0 + AWAKE, moving=False, caret=False) == NEVER
 
 
+def test_a_frame_that_came_without_a_sleep_is_no_event(session: Session, idling: Idling) -> None:
+    assert idling.pause(session, 100.0, moving=False, caret=False) == NEVER
+    idling.began(100.01, woken=False, waited=False)
+    assert idling.pause(session, 100.01, moving=False, caret=False) == NEVER
+
+
 def test_a_timer_that_ran_off_is_no_event(session: Session, idling: Idling) -> None:
     assert idling.pause(session, 100.0, moving=False, caret=False, asked=0.5) == 0.5
     idling.began(100.5, woken=False)

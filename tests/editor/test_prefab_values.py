@@ -3,6 +3,7 @@ the editor."""
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -19,6 +20,7 @@ from editor.builtin_operations import builtin_operations
 from editor.commands import structure
 from editor.prefab_values import OwnValues, changes, own_values
 from editor.session import Session
+from engine.assets.lanim import read_lanim, write_lanim
 from engine.assets.prefab import changed_fields
 from engine.assets.scene_json import format_scene, read_scene
 
@@ -90,6 +92,13 @@ def test_the_list_is_what_saving_writes(session: Session, project: Path) -> None
         ("stage/lamp", "place", "0.1 0.2 0.3", "1 2 2"),
         ("stage/lamp", "light", "color 1 0.5 0.25, intensity 99", "color 1 1 1, intensity 8"),
     ]
+    document.select(root)
+    assert builtin_operations().run("edit.duplicate", session)
+    copy = prefab_values.selected_root(session)
+    assert copy != root
+    assert changes(document, copy) == slow(document, copy)
+    assert "place" in changes(document, copy)[0]["stage/cube"]
+    session.undo()
     assert session.save()
     again = opened(real_session(), project / "scenes/boxes.scene.json")
     found = prefabs.root_of(again, row(again, "die"))
@@ -164,11 +173,11 @@ def test_the_list_waits_for_the_end_of_a_drag(session: Session, project: Path) -
 def test_a_placed_character_plays_and_nothing_of_it_is_its_own(session: Session, project: Path) -> None:
     figure = write_animated_scene(project / "figure")
     document = opened(session, project / "scenes/boxes.scene.json")
-    assert not session.playback.available
+    assert not moves(session)
     operations = builtin_operations()
     assert operations.run("prefab.place", session, path=figure, at=(1.0, 0.0, 0.0))
     root = document.primary
-    assert session.playback.available, "the bar comes with what moves"
+    assert moves(session), "the bar comes with what moves"
     assert [clip.name for clip in document.runtime.clips] == ["figure/walk", "figure/run", "figure/wave"]
     hips, rest = row(document, "hips"), document.runtime.scene.nodes.rotation[row(document, "hips")].copy()
     session.seek(0.3)
@@ -182,9 +191,9 @@ def test_a_placed_character_plays_and_nothing_of_it_is_its_own(session: Session,
     assert np.array_equal(poses[0], poses[1]), "a copy of an instance is one, too"
     for _ in range(3):
         session.undo()
-    assert not session.playback.available
+    assert not moves(session)
     session.redo()
-    assert session.playback.available
+    assert moves(session)
     session.seek(0.7)
     saved = format_scene(saving.current_scene(document))
     session.seek(0.1)
@@ -216,6 +225,31 @@ def test_placed_characters_play_after_a_crash_and_when_opened_again(
     assert np.array_equal(pose(found), expected)
     assert following.drive_of(fresh) == "clips"
     fresh.close_all()
+
+
+def test_a_clip_of_a_prefab_that_is_written_again_is_taken_up(session: Session, project: Path) -> None:
+    figure = write_animated_scene(project / "figure")
+    document = opened(session, project / "scenes/boxes.scene.json")
+    assert builtin_operations().run("prefab.place", session, path=figure, at=(1.0, 0.0, 0.0))
+    session.prefabs_at = 0.0
+    session.poll()
+    assert document.runtime.duration == 1.0
+    path = project / "figure/figure.walk.lanim"
+    clip = read_lanim(path)
+    for channel in clip.channels:
+        channel.times = channel.times * np.float32(3.0)
+    write_lanim(path, clip)
+    os.utime(path, ns=(1, path.stat().st_mtime_ns + 1_000_000))
+    session.prefabs_at = 0.0
+    session.poll()
+    assert "changed" in session.ui.notice
+    assert document.runtime.duration == 3.0
+    session.undo()
+    assert document.runtime.duration == 1.0
+
+
+def moves(session: Session) -> bool:
+    return session.playback.available
 
 
 def pose(document: Any) -> Any:

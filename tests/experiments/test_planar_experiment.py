@@ -27,4 +27,5 @@ def test_a_mirror_s_own_picture_beats_the_screen_s_and_the_environment(
     found = {(p.knobs["method"], p.knobs["scale"]): p.error["shown_rmse"] for p in result.points}
     assert found["planar", 1.0] < 0.75 * found["environment", 0.0]
     assert found["planar", 1.0] < 0.8 * found["screen", 0.0]
-    assert result.default_on_front and result.pictures
+    assert result.default_on_front
+    assert result.pictures

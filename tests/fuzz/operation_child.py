@@ -100,12 +100,14 @@ def _restore_one(
         raise Broken(f"{said['entries']} entries done and undone were there, {entries} are restored")
     if stage.scene_bytes(document).hex() != said["bytes"]:
         raise Broken("the restored scene would be saved as other bytes")
+    state = Watched("", document, Path()).content()
+    if said["content"] not in ("", state):
+        raise Broken(f"restored is {state}, and was {said['content']}")
     if document.dirty != said["dirty"] and not said["open"]:
         raise Broken(f"unsaved was {said['dirty']}, and is {document.dirty}")
     if said["files"] or model is None:
         walk.watch(document, key=said["key"])
         return
-    state = Watched("", document, Path()).content()
     model.follow({"e": "end", "done": entries[0], "undone": entries[1], "state": state})
     walk.watch(document, key=said["key"], model=model)
     at = model.at
@@ -119,12 +121,13 @@ def _die(folder: Path, answer: dict[str, Any], walk: Walk, session: Session, *, 
     answer["counts"], answer["open"] = walk.counts, walk.most
     _report(folder, answer)
     told: dict[str, Any] = {}
-    key_of = {watched.document: watched.key for watched in walk.watched}
+    watched_of = {watched.document: watched for watched in walk.watched}
     for written, _tab in tabs.journals(session):
         document = written.document
-        history = document.history
+        history, watched = document.history, watched_of.get(document)
         told[written.path.name] = {
-            "key": key_of.get(document, ""), "name": document.name,
+            "key": watched.key if watched else "", "name": document.name,
+            "content": watched.content() if watched else "",
             # the replay ends the gesture; one that had come back to where it began leaves no entry then
             "entries": [sum(e.changes for e in history.entries), len(history.undone)], "dirty": document.dirty,
             "bytes": stage.scene_bytes(document).hex(),

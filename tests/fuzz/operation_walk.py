@@ -274,7 +274,7 @@ class Walk:
         assert document is not None
         residency = document.runtime.residency
         kind = dice.choice(("*.lmesh", "*.material.toml"))
-        path = dice.choice(sorted(self.front.home.rglob(kind)))
+        path = dice.choice(sorted(self.homes[0].rglob(kind)))  # also of another document
         with self.session.device_frame():
             if kind == "*.lmesh":
                 residency.load_mesh_file(path)

@@ -51,6 +51,7 @@ class Body:
     moved_uv: bool = False
     mirrored: bool = False
     effect: str = "surface"
+    thickness: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -81,6 +82,7 @@ class SceneSpec:
     depth_of_field: bool = False
     shadow_floor: float = 0.0
     planar_mirrors: int = 2
+    refraction: str = "tested"
     path: str = "auto"
     cutouts_smooth: bool = True
     looks_away: bool = False
@@ -166,6 +168,7 @@ def material_of(body: Body) -> MaterialAsset:
         params={
             "base_color": (0.8, 0.6, 0.4, alpha), "metallic": body.metallic, "roughness": body.roughness,
             "emissive": (0.3, 0.6, 0.9), "emissive_strength": body.emissive,
+            **({"thickness": body.thickness} if body.thickness else {}),
         },
         textures={slot: TextureRef(TEXTURES[slot][0], **moved) for slot in body.maps},
     )  # fmt: skip

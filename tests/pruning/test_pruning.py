@@ -38,14 +38,20 @@ MIRRORED = replace(
     LIT, bodies=(Body("sphere", 1, metallic=0.0), Body("card", 0, features=("planar_reflection",), roughness=0.0))
 )
 
+#: a ball of glass before a block
+GLASS = Body("sphere", 1, features=("transmission",), effect="layered", thickness=0.8)
+BENT = replace(LIT, bodies=(GLASS, Body("cube", 1, metallic=0.0)))
+
 #: fact -> two scenes that differ in that fact, and in no other but those named after it
 TOGGLES: dict[str, tuple[SceneSpec, SceneSpec, tuple[str, ...]]] = {
     "opaque": (replace(LIT, bodies=()), LIT, ("sun_shadows",)),
     "transparent": (LIT, replace(LIT, bodies=(*LIT.bodies, Body("card", 1, "transparent"))), ()),
     "transmission": (
         replace(LIT, bodies=(*LIT.bodies, Body("card", 1, "transparent"))),
-        replace(LIT, bodies=(*LIT.bodies, Body("card", 1, "transparent", (), ("transmission",), effect="layered"))), (),
+        replace(LIT, bodies=(*LIT.bodies, Body("card", 1, "transparent", (), ("transmission",), effect="layered"))),
+        ("refraction",),
     ),
+    "refraction": (replace(BENT, refraction="straight"), BENT, ()),
     "suns": (BARE, LIT, ("sun_shadows",)),
     "local_lights": (BARE, replace(BARE, lights=("point",)), ("lighting",)),
     "environment": (BARE, replace(BARE, environment="uniform"), ()),

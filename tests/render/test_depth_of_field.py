@@ -99,6 +99,25 @@ def test_what_is_in_focus_stays_to_the_bit(stage, surface) -> None:
 
 
 @pytest.mark.gl
+def test_what_is_in_focus_keeps_its_edge(stage, surface) -> None:
+    """A dark card in focus before stripes far off: nothing of their light comes over it, up to its last pixel, and it
+    leaves no seam of its own around it: nowhere is it darker or brighter there than stripes are."""
+    stage.dark()
+    stage.add(card(1.0), glow(surface, 0.05), (0.0, 0.0, -4.0))
+    stage.add(card(40.0), glow(surface, 0.4), (0.0, 0.0, -13.0))
+    for i in range(-5, 6):
+        stage.add(card(1.0), glow(surface, 1.0), (1.3 * i, 0.0, -12.0), (0.6, 20.0, 1.0))
+    settings = {**ON, "sensor": 300.0}
+    sharp, blurred = channel(stage), channel(stage, **settings)
+    own = sharp < 0.1
+    assert own.sum() > 500
+    assert np.abs(blurred[own] - sharp[own]).max() < 1e-3
+    assert blurred[~own].min() > 0.39
+    assert blurred[~own].max() < 1.01
+    assert np.abs(blurred - sharp)[~own].max() > 0.1, "what is behind it is blurred"
+
+
+@pytest.mark.gl
 def test_a_shifted_picture_is_the_picture_moved(stage, surface) -> None:
     stage.add(card(0.8), glow(surface), (0.1, 0.2, -4.0))
     plain, moved = channel(stage), channel(stage, shift=(7.0, -3.0))

@@ -61,12 +61,9 @@ def test_what_has_no_edge_stays(stage, surface, form) -> None:
 
 def test_off_is_nothing(stage, surface, form) -> None:
     edge(stage, surface, 20.0)
-    off = shown(stage)
-    assert np.array_equal(shown(stage, force_all=True), off)
     assert np.array_equal(shown(stage, samples=4, antialias=form), shown(stage, samples=4))
     view = {"view": "normal"}
     assert np.array_equal(shown(stage, antialias=form, **view), shown(stage, **view))
-    assert np.array_equal(shown(stage, force_all=True, antialias=form), shown(stage, antialias=form))
 
 
 @pytest.mark.parametrize("size", [(1, 1), (2, 1), (3, 17)])

@@ -45,7 +45,7 @@ def water(stage: Stage, roughness: float, *, body: bool, glass: bool = True) -> 
 
 
 @covers("light.refraction")
-@pytest.mark.parametrize("roughness", [0.0, 0.3, 1.0])
+@pytest.mark.parametrize("roughness", [0.0, 0.3, 0.6])
 @pytest.mark.parametrize("body", [True, False], ids=["ball", "water"])
 @pytest.mark.parametrize("ortho", [False, True])
 def test_a_post_before_the_water_is_never_in_it(stage: Stage, roughness: float, body: bool, ortho: bool) -> None:
@@ -76,7 +76,9 @@ def test_what_is_off_the_screen_is_taken_from_its_border(stage: Stage) -> None:
 @pytest.mark.parametrize("ior", [1.2, 1.5, 2.0])
 def test_light_that_cannot_leave_a_body_is_reflected(stage: Stage, ior: float) -> None:
     """From inside, beyond asin(1 / ior) from the normal, a wall shows what is about the camera, and nothing beyond."""
-    stage.look(kind="uniform", color=(0.0, 1.0, 0.0), sun_illuminance=0.0, background="color", background_color=(1, 0, 0))
+    stage.look(
+        kind="uniform", color=(0.0, 1.0, 0.0), sun_illuminance=0.0, background="color", background_color=(1.0, 0.0, 0.0)
+    )  # fmt: skip
     turned = quat.from_axis_angle((0.0, 1.0, 0.0), np.pi)
     stage.add(card(100.0), clear("double_sided", thickness=0.5, ior=ior), rotation=turned)
     yfov = 2.2
@@ -90,4 +92,5 @@ def test_light_that_cannot_leave_a_body_is_reflected(stage: Stage, ior: float) -
     leaves, kept = off < limit - pixel, off > limit + pixel
     assert leaves.sum() > 100 < kept.sum()
     assert (picture[leaves][:, 0] > 0.9).all()
-    assert (picture[kept][:, 0] == 0.0).all() and (picture[kept][:, 1] > 0.9).all()
+    assert (picture[kept][:, 0] == 0.0).all()
+    assert (picture[kept][:, 1] > 0.9).all()

@@ -50,6 +50,8 @@ class Line:
 def left_behind(device: Device, settings: dict[str, Any], step: float = 3.0) -> float:
     """A card goes `step` pixels a frame: the brightest pixel that is not at it, nor next to it, of its light."""
     places = [(step * PIXEL * (i - FRAMES / 2), 0.0, 0.0) for i in range(FRAMES)]
+    if settings.get("antialias") != "taa":
+        places = places[-1:]  # nothing is kept
     *_, now = _shown(device, places, (0.6, 0.6, 1.0), 0.0, settings)
     *_, bare = _shown(device, places[-1:], (0.6, 0.6, 1.0), 0.0, {"samples": 1})
     height, width = bare.shape

@@ -17,7 +17,7 @@ _packages = ["engine.experiments"]
 
 #: a name for several that belong together
 GROUPS: dict[str, tuple[str, ...]] = {
-    "shadows": ("sun_shadows", "local_shadows", "shadow_edges", "shadow_filter"),
+    "shadows": ("sun_shadows", "local_shadows", "translucent_shadows", "shadow_edges", "shadow_filter"),
 }
 
 

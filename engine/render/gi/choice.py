@@ -44,7 +44,7 @@ class Indirect:
     unseen: str = "environment"
     gather: bool = False
     reflections: bool = False
-    reflection_steps: int = 32
+    reflection_steps: int = 128
     sky: bool = False
     why_not: str = "light between surfaces is off"
 

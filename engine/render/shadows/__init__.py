@@ -8,7 +8,7 @@ casters.py   sound bounds, what moved when    moments.py      maps that can be b
 atlas.py     tiles by importance              faces.py        what a tile sees: along a spot, or a side of a cube
 floor.py     ShadowFloor: a floor that nothing but shadows is seen of
 local.py     LocalShadows: tiles of local lights, who casts into each, keys, the buffer of the lookups
-tint_request.py   what a batch asks of the effect library where blended surfaces tint the light of the sun
+tint_request.py   what a batch asks of the effect library where blended surfaces tint the light of the sun or of lamps
 
 camera, sun, bounding spheres ─► fit ─► cascades ─► rows of the view block ─► shaders/lib/shadows.glsl
                                     └─► caster masks, keys ─► passes/shadow_cascades.py ─► d32f array

@@ -3,6 +3,9 @@
 A view is three unit axes (right, up, forward) and the tangent of half its angle. A spot's view is just wider than its
 cone; the views of a point are just wider than the cube's faces: by so many texels as a filter and the bias reach beyond
 the part that is looked up (GUARD), so that no lookup leaves its tile. A spot beyond WIDEST is looked at as a point.
+
+Six views and not two paraboloids: those bend the straight edges of triangles, which are drawn straight, so that a large
+one casts its shadow elsewhere than it should by as much as its size, however fine the map.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
-"""The history's pictures, an instance's own values, a placed character and the import card that folds, in a real window:
-`instances_window_ui.py FOLDER`. Run by test_instances_window.py."""
+"""The history's pictures, an instance's own values, placed characters and the import card that folds, in a real
+window: `instances_window_ui.py FOLDER WIDTHxHEIGHT`. Run by test_instances_window.py."""
 
 from __future__ import annotations
 
@@ -165,7 +165,8 @@ def main(folder: Path, width: int, height: int) -> dict[str, Any]:
     write_small_source(root / "assets/crate.gltf")
     write_animated_scene(root / "figure")
     (root / "project.toml").write_text('[project]\nname = "Game"\nstart = "scenes/boxes.scene.json"\n')
-    run, seen = WindowRun(folder, size=(width, height)), {}
+    run = WindowRun(folder, size=(width, height))
+    seen: dict[str, Any] = {}
 
     def steps(run: WindowRun) -> None:
         session = run.session

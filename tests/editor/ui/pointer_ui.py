@@ -195,6 +195,35 @@ def a_flight_needs_no_button(ctx: Any, app: App) -> None:
     assert session.camera == rests
 
 
+def measures() -> dict[str, Any]:
+    """All sizes of the style in use."""
+    style = imgui.get_style()
+    values = {name: getattr(style, name) for name in dir(style) if not name.startswith("_")}
+    plain = {n: (v.x, v.y) if isinstance(v, imgui.ImVec2) else v for n, v in values.items()}
+    return {n: np.round(v, 3).tolist() for n, v in plain.items() if isinstance(v, (float, tuple))}
+
+
+def the_interface_comes_back_from_every_scale(ctx: Any, app: App) -> None:
+    fresh(ctx, app)
+    session = app.ui.session
+    app.ui.operations.run("view.scale-reset", session)
+    ctx.yield_(2)
+    before = measures()
+    for _ in range(30):
+        app.ui.operations.run("view.scale-up", session)
+    ctx.yield_(2)
+    assert session.preferences.ui_scale == 3.0
+    assert measures()["frame_padding"] == [24.0, 12.0]
+    for _ in range(30):
+        app.ui.operations.run("view.scale-down", session)
+        ctx.yield_()
+    assert session.preferences.ui_scale == 0.75
+    app.ui.operations.run("view.scale-reset", session)
+    ctx.yield_(2)
+    after = measures()
+    assert after == before, {n: (before[n], after[n]) for n in before if before[n] != after[n]}
+
+
 def the_pointer_is_chosen_by_operation(ctx: Any, app: App) -> None:
     fresh(ctx, app)
     session = app.ui.session
@@ -218,6 +247,7 @@ TESTS = {
         what_two_fingers_move_follows_them_unless_reversed,
         flying_goes_by_the_place_of_the_keys,
         a_flight_needs_no_button,
+        the_interface_comes_back_from_every_scale,
         the_pointer_is_chosen_by_operation,
     )
 }
