@@ -2,6 +2,8 @@
 
     command.py            `lucarna edit`: arguments -> app
     app.py                hello_imgui window: device, fonts, layout, frame loop        (imgui)
+      '-- idling.py       how long it sleeps: no frames while nothing happens; woken by waking.py (threads, jobs),
+                          file_watch.py (files), interrupts.py (Ctrl+C); window_state.py: whether anybody looks
     panels/ *.py          one panel a file, listed in panels.registry                  (imgui)
     dialogs/ *.py         open, save, progress, unsaved changes, palette, cards         (imgui)
     menus, keys, widgets, param_widgets, theme, layout, layout_slots                    (imgui)

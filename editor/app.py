@@ -23,6 +23,7 @@ from editor import (
     waking,
     window_state,
 )  # fmt: skip
+from editor.baking import surroundings_waiting
 from editor.dialogs import Dialogs
 from editor.dialogs.modals import draw_error_bar
 from editor.file_watch import LOOK, FileWatch
@@ -377,7 +378,7 @@ class App:
     def _count_frames(self) -> None:
         """Leave after `frames` frames that show what was asked for."""
         session = self.ui.session
-        working = session.job is not None or session.image.compiling is not None
+        working = session.job is not None or session.image.compiling is not None or surroundings_waiting(session)
         waiting = working and time.monotonic() - self._start < SCREENSHOT_PATIENCE
         self._settled = 0 if waiting else self._settled + 1
         if self._settled == self.frames - 2:

@@ -186,9 +186,10 @@ def poll(session: Session) -> None:
 
 @functools.lru_cache(maxsize=64)
 def _clips_of(path: Path, _stamp: object) -> tuple[Path, ...]:
-    """The clip files of a prefab, read again when it changes."""
+    """The clips and the animation file of a prefab, read again when it changes."""
     try:
-        return tuple(path.parent / name for name in read_scene(path).clips)
+        asset = read_scene(path)
+        return tuple(path.parent / name for name in (*asset.clips, asset.animation) if name)
     except LucarnaError:  # told of by whoever needs its nodes
         return ()
 

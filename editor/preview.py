@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from editor.baking import surroundings_revision
 from editor.camera_controls import OrbitCamera, orbit, pan
 from editor.opening import OpenJob
 from engine.assets.preview_shapes import SHAPES
@@ -226,6 +227,7 @@ class Preview:
         return (
             self.material, int(residency.materials.values_rev), int(residency.effects.revision), session.shaders.taken,
             astuple(self.setup), self.offset, selected, astuple(scene.environment), astuple(scene.look),
+            surroundings_revision(document.runtime),
             self.setup.mesh in self._files,
         )  # fmt: skip
 

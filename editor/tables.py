@@ -61,7 +61,7 @@ class NodeColumns:
         """`values` of the table without what clips do to these rows now, where they move about places of their own: as
         `write` takes them, wherever time stands."""
         places = getattr(self._scene, "places", None)
-        if places is None or column not in (*LOCAL_PARTS, "local"):
+        if not places or column not in (*LOCAL_PARTS, "local"):
             return tuple(values)
         found = []
         for row, value in zip(rows, values, strict=True):
@@ -111,9 +111,10 @@ class NodeColumns:
 
     def _stand(self, parts: Sequence[int], rows: Sequence[int]) -> None:
         places = getattr(self._scene, "places", None)
-        for row in rows if places is not None else ():
-            for part in parts:
-                places.stand(part, int(row))
+        if places:
+            for row in rows:
+                for part in parts:
+                    places.stand(part, int(row))
 
     def _local(self, row: int) -> tuple[Any, ...]:
         nodes = self._nodes
@@ -386,7 +387,10 @@ def make_command(
             pairs = zip(now, values, strict=True)
             values = [(*part[:place], value, *part[place + 1 : 3], None) for part, value in pairs]
             column = "local"
+    before = tables[table].read(column, rows)
+    own = getattr(tables[table], "own", None)
+    if own is not None:
+        before, values = own(column, rows, before), own(column, rows, values)
     if table == "nodes" and column in ("rotation", "local"):
         values = [_with_unit_rotation(column, value) for value in values]
-    before = tables[table].read(column, rows)
     return Command(table, column, tuple(int(r) for r in rows), before, tuple(plain(v) for v in values), label)

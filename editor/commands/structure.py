@@ -349,8 +349,8 @@ def hang(document: Document, row: int, parent: int) -> None:
     nodes.set_matrix(row, transform.inverse_affine(above) @ world)
     for column in PLACE:
         document.overrides.pop(("nodes", column, row), None)
-    nodes_table = document.tables["nodes"]
-    document.overrides["nodes", "local", row] = nodes_table.own("local", (row,), nodes_table.read("local", (row,)))[0]
+    table: Any = document.tables["nodes"]
+    document.overrides["nodes", "local", row] = table.own("local", (row,), table.read("local", (row,)))[0]
 
 
 def _what(document: Document, rows: Sequence[int]) -> str:

@@ -82,6 +82,7 @@ def _against(path: str) -> Callable[[Session], None]:
             comparing.a.settings["path"] = name
         session.apply_settings({"path": path, "samples": 1}, label=f"Render path: {path}")
         comparing.mode = WIPE
+        work.start(session, MeasureBoth())  # the first pictures of a path have its programs made
 
     return run
 

@@ -210,6 +210,9 @@ def draw_clips(ui: Ui, editor: AnimationEditor) -> None:
     if imgui.begin_combo("##clips", shown, imgui.ComboFlags_.height_large):
         if tracks:
             _fade_of_new(view)
+        for path, plays in runtime.instance_clips.animations().items() if not tracks else ():
+            if imgui.selectable(f"{path.name.removesuffix('.scene.json')}: its own animation", plays)[0]:
+                runtime.instance_clips.play_animation(path)
         for i, clip in enumerate(runtime.clips):
             if not runtime.instance_clips.stands(i):
                 continue

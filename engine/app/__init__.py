@@ -4,7 +4,7 @@
     sample_project.py    the same around a scene that code makes (atrium, poles)
     runtime.py           an opened scene: tables + residency + renderer + clips
     clip_deck.py         what poses it: clips, a timeline, or states; animation.py: an open *.animation.toml
-    instance_clips.py    clips of prefabs on the instances that stand in it
+    instance_clips.py    clips of prefabs on the instances that stand in it; instance_animation.py: their blends
     object_materials.py  parameters of materials that are other on one object
     rehearsal.py         programs of other paths and views, made while nothing else is to do
     posed.py             vertices as they are drawn, on the CPU

@@ -185,6 +185,12 @@ class ClipDeck:
             else:
                 self.asleep += 1
 
+    def jump(self, time_s: float) -> None:
+        """Let the next `apply` begin at `time_s`: an animator is that far into its state, and has passed nothing."""
+        self._time = time_s
+        if self.animator is not None:
+            self.animator.seek(time_s)
+
     def rest(self) -> None:
         """Put back what the present players have moved."""
         self._rest_rows(self._moved())

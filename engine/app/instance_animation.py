@@ -42,14 +42,10 @@ class InstanceAnimation:
         deck = self._deck
         deck.copies = copies
         if deck.animator is None:
-            deck.apply(wrap(time_s, deck.duration, "loop"), visible, seers)
-            return
-        if time_s < deck.time:  # the clock began anew, or somebody went back
-            deck.animator.seek(time_s)
-            deck.apply(deck.time, visible, seers)
-            deck.apply(time_s - time_s + deck.time)
-        else:
-            deck.apply(time_s, visible, seers)
+            time_s = wrap(time_s, deck.duration, "loop")
+        elif time_s < deck.time:  # the clock began anew, or somebody went back
+            deck.jump(time_s)
+        deck.apply(time_s, visible, seers)
 
     def rest(self) -> None:
         """Put back what it has moved."""

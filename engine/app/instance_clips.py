@@ -5,14 +5,15 @@
                                                                       ├► the other instances: copies of that one
                                                                       └► one of which none stands: its clips rest
 
-A scene that opens plays each prefab's first clip, beside its own. What an animation file's timeline or states move is
-theirs; the rest of the instances play on.
+A scene that opens plays, beside its own, what each prefab plays that is opened itself: its animation file, which has a
+deck of its own (instance_animation.py), or its first clip. A clip that is chosen plays instead; what the scene's own
+timeline or states move is theirs; the rest of the instances play on.
 """
 
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -21,6 +22,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.animation.sample import ClipPlayer
+from engine.app.clip_deck import Seers
+from engine.app.instance_animation import InstanceAnimation, instance_animation
 from engine.assets.prefab import NODE, file_of
 from engine.assets.prefab_clips import PrefabClips, prefab_clips
 from engine.assets.scene import NodeAsset
@@ -67,12 +70,16 @@ def standing(scene: Scene, folder: Path) -> dict[Path, list[tuple[int, dict[str,
 class _Cast:
     """`numbers`: of the prefab's clips in the deck; `leader`: key -> row of the nodes that they are bound to, and
     `generation` of each: others may stand there by now; `rested`: those that played when the last instance went, None
-    while one stands."""
+    while one stands. `firsts`: those that play when the scene is opened, beside `animation`, unless that is `quiet`."""
 
     numbers: list[int] = field(default_factory=list)
     leader: dict[str, int] = field(default_factory=dict)
     generation: dict[int, int] = field(default_factory=dict)
     rested: list[int] | None = None
+    firsts: list[int] = field(default_factory=list)
+    animation: InstanceAnimation | None = None
+    quiet: bool = False
+    copies: Copies = field(default_factory=Copies)
 
 
 class InstanceClips:
@@ -81,6 +88,7 @@ class InstanceClips:
     def __init__(self, runtime: Runtime) -> None:
         self._runtime = runtime
         self._casts: dict[Path, _Cast] = {}
+        self._taken: frozenset[int] = frozenset()
         self.copies = Copies()
         self.driven: frozenset[int] = frozenset()
 
@@ -100,7 +108,7 @@ class InstanceClips:
             if path not in self._casts:
                 self._casts[path] = self._join(path, found[path])
         generation = scene.nodes.generation
-        pairs: list[tuple[int, int]] = []
+        everybody: list[tuple[int, int]] = []
         driven: set[int] = set()
         for path, cast in self._casts.items():
             if path not in found and cast.rested is None:
@@ -108,26 +116,66 @@ class InstanceClips:
                 deck.active = [n for n in deck.active if n not in cast.numbers]
             elif path in found and cast.rested is not None:
                 deck.active, cast.rested = [*deck.active, *cast.rested], None
+            pairs: list[tuple[int, int]] = []
             for _row, rows in found.get(path, ()):
                 mine = [(cast.leader[key], row) for key, row in rows.items() if key in cast.leader]
                 pairs += [p for p in mine if p[0] != p[1] or generation[p[1]] != cast.generation[p[0]]]
                 driven.update(row for _leader, row in mine)
-        table = np.array(pairs, np.int64).reshape(-1, 2)
-        self.copies = Copies(table[:, 0], table[:, 1], np.zeros(len(table), np.bool_))
+            cast.copies = _copies(pairs)
+            everybody += pairs
+        self.copies = _copies(everybody)
         self.driven = frozenset(driven)
 
     def beside(self, moved: I8) -> list[int]:
-        """Of each prefab what plays at first, but for what moves one of the rows `moved`, too."""
-        taken, chosen = set(moved.tolist()), []
+        """Of each prefab what plays at first; from now on the rows `moved` belong to somebody else, who takes off
+        whatever would move one of them, too."""
+        self._taken, chosen = frozenset(moved.tolist()), []
         for cast in self._casts.values():
-            firsts = self._firsts(cast) if cast.rested is None else []
-            chosen += [n for n in firsts if taken.isdisjoint(self._runtime.players[n].node_rows.tolist())]
+            cast.quiet = False
+            firsts = cast.firsts if cast.rested is None else []
+            chosen += [n for n in firsts if self._taken.isdisjoint(self._runtime.players[n].node_rows.tolist())]
         return chosen
 
-    def _firsts(self, cast: _Cast) -> list[int]:
-        """What a scene that opens plays of its clips."""
-        names = self._runtime.clips
-        return [n for n in cast.numbers if n == cast.numbers[0] or names[n].name.rpartition("/")[2] == DRIFT]
+    def hush(self, path: Path | None = None) -> None:
+        """Clips play from now on, and the animation of that prefab, or of all of them, no more: it goes to rest."""
+        self._taken = frozenset()
+        for known, cast in self._casts.items():
+            if cast.animation is not None and not cast.quiet and path in (None, known):
+                cast.animation.rest()
+                cast.quiet = True
+
+    def animations(self) -> dict[Path, bool]:
+        """The prefabs with an animation of their own, of which some instance stands, and whether it plays."""
+        playing = {path for path, _cast in self._playing()}
+        return {
+            p: p in playing for p, cast in self._casts.items() if cast.animation is not None and cast.rested is None
+        }
+
+    def play_animation(self, path: Path) -> None:
+        """Let a prefab's own animation play again, instead of its clips."""
+        deck, cast = self._runtime.deck, self._casts[path]
+        others = [n for n in deck.active if n not in cast.numbers]
+        deck.play(*others, *cast.firsts, mode=deck.mode, speed=deck.speed)
+        cast.quiet = False
+        self._runtime.pose_again()
+
+    @property
+    def duration(self) -> float:
+        """Seconds of the longest timeline of a prefab that plays."""
+        return max((animation.duration for _path, (animation, _copies) in self._playing()), default=0.0)
+
+    def pose(self, time_s: float, visible: NDArray[np.bool_] | None = None, seers: Seers | None = None) -> None:
+        """Let the prefabs' own animations pose their instances."""
+        for _path, (animation, copies) in self._playing():
+            animation.apply(time_s, copies, visible, seers)
+
+    def _playing(self) -> Iterator[tuple[Path, tuple[InstanceAnimation, Copies]]]:
+        for path, cast in self._casts.items():
+            animation = cast.animation
+            if animation is None or cast.quiet or cast.rested is not None:
+                continue
+            if self._taken.isdisjoint(animation.rows.tolist()):
+                yield path, (animation, cast.copies)
 
     def _join(self, path: Path, instances: list[tuple[int, dict[str, int]]]) -> _Cast:
         """Read the prefab's clips and let the first of its instances play them."""
@@ -160,7 +208,12 @@ class InstanceClips:
             player = ClipPlayer(bound, runtime.cast_rows)
             runtime.findings.items.extend(player.findings)
             cast.numbers.append(runtime.deck.join(bound, player, runtime.cast_rows))
-        runtime.deck.active = [*runtime.deck.active, *self._firsts(cast)]
+        cast.animation = instance_animation(path, found, cast.leader, runtime.scene, runtime.findings)
+        names = [clip.name.rpartition("/")[2] for clip in found.clips]
+        firsts = [i for i in found.firsts if cast.animation is None or i >= len(found.own)]
+        drifts = [i for i, name in enumerate(names) if name == DRIFT and i not in firsts]
+        cast.firsts = [cast.numbers[i] for i in (*firsts, *drifts)]
+        runtime.deck.active = [*runtime.deck.active, *cast.firsts]
         return cast
 
     def _add(self, rows: list[int], known: Mapping[int, int]) -> dict[int, int]:
@@ -176,6 +229,11 @@ class InstanceClips:
         runtime.deck.meet(np.array(rows, np.int64))
         runtime.cast_rows = np.append(np.where(np.isin(runtime.cast_rows, rows), -1, runtime.cast_rows), rows)
         return numbers
+
+
+def _copies(pairs: list[tuple[int, int]]) -> Copies:
+    table = np.array(pairs, np.int64).reshape(-1, 2)
+    return Copies(table[:, 0], table[:, 1], np.zeros(len(table), np.bool_))
 
 
 def _depth(row: int, parent: list[int]) -> int:

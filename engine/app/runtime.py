@@ -285,11 +285,13 @@ class Runtime:
     @property
     def duration(self) -> float:
         """Seconds of the longest clip that plays; 0 where none does."""
-        return max([self.deck.duration, *(player.duration for _clip, player in self.beside.values())])
+        others = [player.duration for _clip, player in self.beside.values()]
+        return max([self.deck.duration, self.instance_clips.duration, *others])
 
     def play(self, *clips: int | str, mode: str = "loop", speed: float = 1.0) -> None:
         """Play these clips (numbers or names) instead; see ClipDeck.play. A scene opens playing its first."""
         self.follow_structure()  # what played so far goes to rest, copies too
+        self.instance_clips.hush()
         self.deck.play(*clips, mode=mode, speed=speed)
         self._posed_at = math.nan
 
@@ -298,7 +300,10 @@ class Runtime:
         number = self.deck.find(clip)
         whose = self.instance_clips.prefab_of(number)
         others = [n for n in self.deck.active if self.instance_clips.prefab_of(n) != whose]
-        self.play(number, *others, mode=self.deck.mode, speed=self.deck.speed)
+        self.follow_structure()
+        self.instance_clips.hush(whose or Path())
+        self.deck.play(number, *others, mode=self.deck.mode, speed=self.deck.speed)
+        self._posed_at = math.nan
 
     def play_beside(self, key: Hashable, clip: ClipAsset | None) -> None:
         """Play a clip whose channels count nodes by scene rows, beside all else, until it is None for that `key`."""
@@ -345,6 +350,7 @@ class Runtime:
             if self.deck.animator is not None or self.deck.sequence is not None:
                 self.deck.play(*self._at_first())
             return
+        self.instance_clips.hush()
         rows = self.cast_rows[animation.rig.source][None]
         top = int(self.cast_rows[animation.top]) if animation.top >= 0 else -1
         if drive == "timeline" and animation.sequence is not None:
@@ -394,6 +400,7 @@ class Runtime:
         self.scene.update()
 
     def _pose(self, time_s: float, visible: NDArray[np.bool_] | None = None, seers: Seers | None = None) -> None:
+        self.instance_clips.pose(time_s * self.deck.speed, visible, seers)
         self.deck.apply(time_s, visible, seers)
         for _clip, player in self.beside.values():
             player.apply(self.scene.nodes, time_s * self.deck.speed, self.deck.mode)

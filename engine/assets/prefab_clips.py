@@ -51,7 +51,9 @@ def prefab_clips(path: Path, findings: Findings, stack: Sequence[Path] = ()) -> 
     inner, firsts = _of_instances(asset, path.parent, findings, (*stack, path))
     name = path.name.removesuffix(SUFFIX)
     clips = [replace(clip, name=f"{name}/{clip.name}", channels=list(clip.channels)) for clip in (*own, *inner)]
-    return PrefabClips(keys_of(asset.nodes), clips, [*range(min(len(own), 1)), *(len(own) + i for i in firsts)], asset, own)
+    return PrefabClips(
+        keys_of(asset.nodes), clips, [*range(min(len(own), 1)), *(len(own) + i for i in firsts)], asset, own
+    )
 
 
 def clips_of_instances(asset: SceneAsset, folder: Path, findings: Findings) -> list[ClipAsset]:

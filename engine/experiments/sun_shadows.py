@@ -270,6 +270,6 @@ EXPERIMENT = Experiment(
     tables=tables,
     step_label="1 / texels",
     time_label="median frame time",
-    note="auto is pcf: four texels, each compared with the receiver's plane over its own middle. esm and evsm2 are bounds"
-    " of one side alone: what is close behind its caster shines through, however fine the map.",
+    note="auto is pcf: four texels, each compared with the receiver's plane over its own middle. esm and evsm2 are"
+    " bounds of one side alone: what is close behind its caster shines through, however fine the map.",
 )  # fmt: skip

@@ -1,8 +1,8 @@
 """Shadows of a pane of coloured glass, by every type of light: what is left of the light, where it is a formula.
 
-A floor, a pane of 1 m two metres over it, and one light: the sun, or a lamp four metres high. At each place of the floor
-the truth is the part of the light that the pane lies before, which lets mix(white, its colour, its alpha) through. The
-camera hangs under the pane and sees nothing but the floor. Ours is read out of two pictures: with over without shadows.
+A floor, a pane of 1 m two metres over it, and one light: the sun, or a lamp four metres high. At each place of the
+floor the truth is the part of the light that the pane lies before, which lets mix(white, its colour, its alpha) through.
+The camera hangs under the pane and sees nothing but the floor. Ours is read out of two pictures: with over without shadows.
 """
 
 from __future__ import annotations
@@ -79,7 +79,7 @@ def hidden_part(light: str) -> F8:
     if light == SUN:
         return ((np.abs(x) < half) & (np.abs(z) < half)).astype(np.float64)
     steps = (np.arange(24) + 0.5) / 24.0 * 2.0 - 1.0
-    at = np.array([(a, b) for a in steps for b in steps]) * SMALL if light not in ("spot", "point") else np.zeros((1, 2))
+    at = np.array([(a, b) for a in steps for b in steps]) * (0.0 if light in ("spot", "point") else SMALL)
     if light in ("ball", "disk"):
         at = at[np.hypot(*at.T) < SMALL]
     part = HEIGHT / LAMP  # of the way to the lamp

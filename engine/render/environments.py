@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import fields, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -80,7 +81,7 @@ class Environments:
             return self.baker(environment)
         if self._bakes is None:
             self._bakes = BackgroundBakes(self.told)
-        return self._bakes.get(key, lambda bake=self.baker: bake(environment))
+        return self._bakes.get(key, partial(self.baker, environment))
 
     def _load(self, key: tuple[object, ...], environment: EnvironmentAsset) -> EnvironmentMap | None:
         kind = environment.kind

@@ -77,11 +77,12 @@ class OtherRole:
 
 @dataclass(frozen=True, slots=True)
 class SeenBy:
-    """Another eye than the frame's: its view block, and what it sees, as object ids and commands."""
+    """Another eye than the frame's: its view block, what it sees, as object ids and commands, and its light lists."""
 
     view: Buffer
     ids: Buffer
     commands: Buffer
+    lists: LightLists
 
 
 @dataclass(slots=True)
@@ -151,7 +152,7 @@ class RenderFrame:
     ) -> None:  # fmt: skip
         """Draw batches with their pipelines, arenas and materials: one multi-draw each. `inputs`: more textures.
         `other`: the role of a pass with pipelines of its own; `seen`: by whom, if not by the frame's camera."""
-        seen = seen or SeenBy(self.view_buffer, self.draws.ids, self.draws.commands)
+        seen = seen or SeenBy(self.view_buffer, self.draws.ids, self.draws.commands, self.light_lists)
         blocks = {VIEW_BINDING: seen.view, **self.mirrors.uniforms, **(other.uniforms if other else {})}
         for batch in batches:
             state = batch.state
@@ -169,7 +170,7 @@ class RenderFrame:
                         LOCAL_SHADOW_BINDING: self.local_shadows.buffer,
                         PALETTE_BINDING: self.palettes,
                         MORPH_BINDING: self.morphs,
-                        **self.light_lists.shading_storage,
+                        **seen.lists.shading_storage,
                     },
                     textures={
                         **materials.bindings(state.group, self.view.settings.anisotropy),

@@ -49,7 +49,7 @@ def facts_of(
             hidden := occlusion_of(settings, lit=lit, solid=draws.has_solid, live=view.seconds is not None)
         ),
         indirect=(light := indirect_of(settings, solid=draws.has_solid, lit=lit, live=follows(view))),
-        planar=planar_of(settings, rows.mirrors.planes.count),
+        planar=planar_of(settings, rows.mirrors.planes.count, rows.lights.count),
         auto_exposure=settings.auto_exposure and settings.shading_view in LIT_LOOK,
         taa=(taa := taa_wanted(view, caps)),
         motion=taa or hidden.temporal or light.smooth,

@@ -29,7 +29,7 @@ PRESETS: dict[str, dict[str, Value]] = {
     },
     "medium": {
         "samples": 1, "antialias": "taa", "depth_first": True, "shadow_filter": "pcf", "shadow_cascades": 3,
-        "shadow_size": 2048, "local_shadow_size": 2048, "ambient_occlusion": "gtao", "ao_directions": 1,
+        "shadow_size": 1024, "local_shadow_size": 2048, "ambient_occlusion": "gtao", "ao_directions": 1,
         "ao_steps": 4, "ao_half": True, "anisotropy": 2.0, "focus_taps": 48, "quality": "medium",
     },
     "high": {

@@ -289,7 +289,8 @@ class Renderer:
         facts = self.light_path.choose(view, facts, block)
         motion = self.before.on_path(self.path.path)
         rows.mirrors.update(
-            scene, view, facts.planar, rows.draws, block, origin, motion.jitter, everything=facts.force_all
+            scene, view, facts.planar, rows.draws, block, origin, rows.lights.bounds, motion.jitter,
+            everything=facts.force_all,
         )  # fmt: skip
         self._view_buffer.write(block.tobytes())
         return RenderFrame(

@@ -98,6 +98,9 @@ class OwnPlaces:
         self._known: dict[tuple[int, int], _Own] = {}
         self._resting = False
 
+    def __len__(self) -> int:
+        return len(self._known)
+
     def adopt(self, copies: Copies) -> None:
         """Find the own places of placed `copies` that are new. One made while its leader is in the midst of a move is
         in the midst of it too."""

@@ -43,7 +43,8 @@ class Table:
     """Columns of equal length. `len(table)` counts row numbers in use or free; `alive` tells which hold something.
 
     Removing a row frees its number and raises its generation; `count` rows added after removing as many get the same
-    numbers in the same order. Growth is amortised (capacity doubles).
+    numbers in the same order. A row that `put` took away comes back with its generation, and a new one there has
+    another. Growth is amortised (capacity doubles).
     """
 
     #: columns that `update()` computes from the others; no part of a remembered state
@@ -58,6 +59,8 @@ class Table:
         self._views: dict[str, NDArray[Any]] = {}
         self._count = 0
         self._free: list[int] = []
+        #: the generation that a row's next new holder has at least: undoing takes rows away without a trace in them
+        self._next = np.zeros(0, np.uint32)
 
     def __len__(self) -> int:
         return self._count
@@ -136,6 +139,8 @@ class Table:
         self._reserve(max(values.count, int(values.rows.max(initial=-1)) + 1))
         for name, column in values.columns.items():
             self._data[name][values.rows] = column
+        given = np.where(values.columns["alive"], values.columns["generation"] + np.uint32(1), np.uint32(0))
+        self._next[values.rows] = np.maximum(self._next[values.rows], given)
         self._count = values.count
         self._free = list(values.free)
         self._views.clear()
@@ -175,6 +180,9 @@ class Table:
             if name != "generation":
                 self._data[name][where] = value
         self._data["alive"][where] = True
+        generation = self._data["generation"]
+        generation[where] = np.maximum(generation[where], self._next[where])
+        self._next[where] = generation[where] + np.uint32(1)
         self.structure_rev += 1
         return rows
 
@@ -193,6 +201,7 @@ class Table:
             grown = np.full((capacity, *shape), value, dtype)
             grown[: self._count] = self._data[name][: self._count]
             self._data[name] = grown
+        self._next = np.append(self._next, np.zeros(capacity - len(self._next), np.uint32))
         self._views.clear()
 
 

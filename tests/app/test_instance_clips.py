@@ -14,7 +14,7 @@ from engine.assets.lanim import write_lanim
 from engine.assets.prefab import ROOT, instance_nodes
 from engine.assets.prefab_clips import prefab_clips
 from engine.assets.scene import NodeAsset, SceneAsset
-from engine.assets.scene_json import write_scene
+from engine.assets.scene_json import read_scene, write_scene
 from engine.core.findings import Findings
 from engine.gpu import open_device
 
@@ -166,3 +166,63 @@ def test_an_export_has_them_too(folder: Path) -> None:
     assert [c.name for c in source.clips] == ["open", "hero/wave", "hero/reach", "pair/hero/wave", "pair/hero/reach"]
     moved = [[source.nodes[channel.node].name for channel in clip.channels] for clip in source.clips]
     assert moved == [["door"], ["arm", "arm"], ["arm", "arm"], ["arm", "arm"], ["arm", "arm"]]
+
+
+BLEND = """schema = "lucarna.animation/1"
+name = "hero"
+[clips.wave]
+[clips.reach]
+"""
+TRACKS = """[[tracks]]
+name = "base"
+blocks = [{ clip = "wave", start = 0.0, length = 4.0 }, { clip = "reach", start = 0.0, length = 4.0 }]
+"""
+STATES = """[states.reaching]
+clip = "reach"
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "drive", "half"), [(TRACKS, "timeline", [0.5, 0.5, 0.0]), (STATES, "states", [1.0, 0.0, 0.0])]
+)
+def test_a_prefab_that_blends_its_clips_blends_them_in_its_instances(
+    folder: Path, text: str, drive: str, half: list[float]
+) -> None:
+    (folder / "hero.animation.toml").write_text(BLEND + text)
+    hero = read_scene(folder / "hero.scene.json")
+    hero.animation, hero.drive = "hero.animation.toml", drive
+    write_scene(folder / "hero.scene.json", hero)
+    runtime = Runtime(open_device("null"))
+    runtime.open(folder / "level.scene.json")
+    assert not runtime.findings.items
+    assert [runtime.clips[i].name for i in runtime.deck.active] == ["open", "pair/hero/wave"]
+    runtime.update(1.0)
+    found = np.array(arms(runtime))
+    assert np.allclose(found[:2], half), "both instances, by the prefab's own file"
+    assert np.allclose(found[2:], [0.0, 1.0, 0.0])
+    ((path, plays),) = runtime.instance_clips.animations().items()
+    assert plays
+    runtime.play_of_cast("hero/wave")
+    runtime.update(1.5)
+    assert np.allclose(arms(runtime)[0], [0.0, 1.5, 0.0]), "a clip instead"
+    assert runtime.instance_clips.animations() == {path: False}
+    runtime.instance_clips.play_animation(path)
+    runtime.update(1.0)
+    assert np.allclose(arms(runtime)[1], half)
+    runtime.play("open")
+    runtime.update(0.5)
+    assert not np.array(arms(runtime)).any(), "everybody rests but the door"
+    runtime.close()
+
+
+def test_an_animation_file_of_a_prefab_that_is_wrong_is_a_finding_and_its_clip_plays(folder: Path) -> None:
+    (folder / "hero.animation.toml").write_text("what = ")
+    hero = read_scene(folder / "hero.scene.json")
+    hero.animation = "hero.animation.toml"
+    write_scene(folder / "hero.scene.json", hero)
+    runtime = Runtime(open_device("null"))
+    runtime.open(folder / "level.scene.json")
+    assert [f.code for f in runtime.findings] == ["animation.unreadable"]
+    runtime.update(0.5)
+    assert arms(runtime) == [[0.0, 0.5, 0.0]] * 4
+    runtime.close()

@@ -24,11 +24,9 @@ def session() -> Session:
     made.device = made.host.open_device(attach=False)
     made.comparing.aside = FlipAside(lambda a, b: 0.25)
     made.open(Path("/nowhere/thing.glb"))
-    for _ in range(400):
-        made.poll()
-        if made.document is not None:
-            break
-        made.job.join(0.01) if made.job is not None and hasattr(made.job, "join") else None
+    assert made.job is not None
+    made.job.wait(20)
+    made.poll()
     assert made.document is not None
     made.playback.playing = False
     frame(made)

@@ -9,13 +9,15 @@ import pytest
 from animated_scene import animated_session
 from numpy.typing import NDArray
 
+from editor import prefabs
 from editor.animating.editing import AnimationEditor
 from editor.commands import structure
-from editor.saving import save_document
+from editor.saving import current_scene, save_document
 from editor.session import Session
 from engine.app.runtime import Runtime
 from engine.assets.clip_nodes import spread
 from engine.assets.lanim import read_lanim
+from engine.assets.scene_json import format_scene
 from engine.gpu import open_device
 
 BONES = ("hips", "spine", "arm", "hand", "leg")
@@ -251,3 +253,76 @@ def test_what_drawing_notices_is_logged_once(session: Session) -> None:
     lines = [m.text for m in session.messages.snapshot()]
     assert lines.count("'body' is skinned linearly") == 1
     assert "a.ies: no such file" not in lines, "the log has had it since the scene was opened"
+
+
+@pytest.mark.parametrize("what", ["figure", "hips", "leg"])
+def test_what_is_saved_and_undone_does_not_depend_on_the_time(session: Session, what: str) -> None:
+    """Of a copy made, moved, taken back and done again, each at another time of the clip."""
+    document = session.document
+    runtime = document.runtime
+    runtime.play("run")
+
+    def saved() -> str:
+        return format_scene(current_scene(document))
+
+    states = [saved()]
+    session.seek(0.15)
+    structure.duplicate(document, [runtime.scene.nodes.name.index(what)])
+    states.append(saved())
+    (copy,) = document.selection
+    session.seek(0.25)
+    assert saved() == states[-1]
+    x, y, z = document.tables["nodes"].read("translation", (copy,))[0]
+    document.edit("nodes", "translation", (copy,), ((x + 2.0, y, z),))
+    states.append(saved())
+    structure.delete(document, [copy])
+    states.append(saved())
+    assert len(set(states)) >= 3
+    for time in (0.1, 0.4):
+        session.seek(time)
+        for at in (2, 1, 0, 1, 2, 3):
+            document.history.go_to(at)
+            assert saved() == states[at], (time, at)
+            session.seek(time + 0.01 * at)
+            assert saved() == states[at], (time, at)
+
+
+def test_a_copy_that_is_moved_by_hand_in_the_midst_of_the_clip_goes_on_from_there(session: Session) -> None:
+    document = session.document
+    runtime = document.runtime
+    runtime.play("run")
+    session.seek(0.15)
+    hips = runtime.scene.nodes.name.index("hips")
+    structure.duplicate(document, [hips])
+    (copy,) = document.selection
+    nodes = runtime.scene.nodes
+    assert nodes.translation[copy] == pytest.approx(nodes.translation[hips]), "it appears where its original is"
+    document.edit("nodes", "translation", (copy,), (tuple(nodes.translation[copy] + (2.0, 0.0, 0.0)),))
+    for time in (0.15, 0.25, 0.4):
+        session.seek(time)
+        assert nodes.translation[copy] == pytest.approx(nodes.translation[hips] + (2.0, 0.0, 0.0))
+    session.undo()
+    assert nodes.translation[copy] == pytest.approx(nodes.translation[hips])
+
+
+def test_the_clips_of_an_instance_that_was_undone_move_nothing_that_came_in_its_rows(
+    session: Session, tmp_path: Path
+) -> None:
+    document = session.document
+    scene = document.runtime.scene
+    save_document(document, tmp_path / "placed" / "x.scene.json")
+    count = len(scene.nodes)
+    assert prefabs.place(session, tmp_path / "placed/x.scene.json", np.eye(4))
+    session.seek(0.15)
+    session.undo()
+    for _ in range(12):
+        structure.add_empty(document, np.eye(4))
+    others = slice(count, len(scene.nodes))
+    rest = scene.nodes.translation[others].copy()
+    assert prefabs.place(session, tmp_path / "placed/x.scene.json", np.eye(4))
+    for time in (0.2, 0.4):
+        session.seek(time)
+        assert np.array_equal(scene.nodes.translation[others], rest)
+    hips = [row for row, name in enumerate(scene.nodes.name) if name == "hips"]
+    assert len(np.unique(scene.nodes.translation[hips], axis=0)) == 1, "the new instance plays"
+    assert not np.array_equal(scene.nodes.translation[hips[0]], (0.0, 1.0, 0.0))

@@ -30,6 +30,12 @@ def test_files_that_change_wake_it(seen: dict[str, Any]) -> None:
     assert seen["text_followed"], "a text that is open in the shader editor"
 
 
+def test_frames_that_are_gathered_come_to_an_end(seen: dict[str, Any]) -> None:
+    assert seen["settles"]
+    assert seen["gathered"] >= 8, "two rounds of four places in a pixel"
+    assert seen["after_settling"] == 0
+
+
 def test_an_autosave_comes_in_time(seen: dict[str, Any]) -> None:
     assert seen["kept"]
 

@@ -57,7 +57,14 @@ def test_every_way_to_smooth_edges_helps(quick: Callable[[], Context]) -> None:
     assert moving["none"][0] == moving["msaa 4"][0] == 0.0, "nothing can be left behind"
     assert moving["taa 16"][0] < 5.0
     assert moving["taa 16"][1] == pytest.approx(100.0, abs=3.0), "a line at rest has all its light"
+    light, restless, flicker, missing = moving["taa 16"][2:]
+    assert light == pytest.approx(100.0, abs=6.0), "what is missed in half of the frames is there all the same"
+    assert restless == pytest.approx(100.0, abs=6.0), "whether something else moves or not"
+    assert flicker < 2.0
+    assert missing == 0.0
     assert moving["msaa 4"][2] == pytest.approx(100.0, abs=3.0)
+    by_angle = {row[0]: float(row[-1]) for row in result.tables[1].rows}
+    assert by_angle["taa 16"] < by_angle["msaa 4"] < by_angle["none"], "an edge at rest"
 
 
 @pytest.mark.usefixtures("gl_device")
@@ -71,5 +78,9 @@ def test_a_lens_is_nearer_to_the_lens(quick: Callable[[], Context]) -> None:
 @pytest.mark.usefixtures("gl_device")
 def test_better_presets_are_better(quick: Callable[[], Context]) -> None:
     pytest.importorskip("flip_evaluator")
-    errors = {(p.curve, p.knobs["preset"]): p.error["rmse_8_bit"] for p in run("presets", quick()).points}
+    result = run("presets", quick())
+    errors = {(p.curve, p.knobs["preset"]): p.error["rmse_8_bit"] for p in result.points}
+    table = [row for row in result.tables[0].rows if row[1] in ("low", "high")]
+    assert all(row[-1].startswith(("on the front", "beaten by")) for row in table)
+    assert len(table) == 2
     assert errors["preset", "high"] < errors["preset", "low"] < errors["none", "low"]

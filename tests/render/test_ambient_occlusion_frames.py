@@ -54,10 +54,11 @@ def rmse(a, b) -> float:
 def test_at_rest_it_converges_to_many_slices(stage, surface) -> None:
     niche(stage, surface)
     best = still(stage, ao_directions=16)
-    errors = [rmse(live(stage, frames=n, cut=True), best) for n in (1, 4, 16)]
+    errors = [rmse(live(stage, frames=n, cut=True, raw=True), best) for n in (1, 4, 16)]
     assert errors == sorted(errors, reverse=True)
-    assert errors[0] > 0.001, "one slice is far from it"
+    assert errors[0] > 0.01, "one slice is far from it before it is filtered"
     assert errors[2] < 0.25 * errors[0]
+    assert rmse(live(stage, frames=16, cut=True), best) < 0.001
 
 
 def test_before_the_filter_it_is_the_mean_of_its_frames(stage, surface) -> None:

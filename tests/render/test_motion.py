@@ -155,6 +155,32 @@ def test_a_morph_target(stage) -> None:
 
 
 @pytest.mark.gl
+@pytest.mark.parametrize("alpha", [0.2, 0.8])
+def test_what_is_cut_out_moves_as_what_is_behind_it(stage, surface, alpha) -> None:
+    """A card that moves before one that stands: with its alpha below the cut nothing moves, above it the card does."""
+    stage.add(card(4.0), surface(), (0.0, 0.0, -1.0))
+    node = stage.add(card(0.3), surface("alpha_test", ("alpha_test",), base_color=(1.0, 1.0, 1.0, alpha)))
+    camera = front_camera(0.5, SIZE[0] / SIZE[1])
+    rest(stage, camera)
+    rest(stage, camera)
+    stage.runtime.scene.nodes.set_translation([node], [(0.05, 0.0, 0.0)])
+    moved = motion(stage, camera)
+    focal = SIZE[1] / 2.0 / math.tan(camera.yfov / 2.0) / camera.position[2]
+    expected = 0.05 * focal if alpha > 0.5 else 0.0
+    assert moved[SIZE[1] // 2, SIZE[0] // 2] == pytest.approx((expected, 0.0), abs=CLOSE)
+    assert not moved[:4].any()
+
+
+def test_effects_that_are_drawn_in_depth_say_how_far_they_moved(null_stage) -> None:
+    """Else TAA would take what they show for standing still."""
+    effects = null_stage.runtime.residency.effects
+    shipped = [path.name.removesuffix(".effect.toml") for path in effects.search[-1].glob("effects/*.effect.toml")]
+    solid = [name for name in shipped if "depth" in effects.get(name).techniques]
+    assert len(solid) > 3
+    assert [name for name in solid if "motion" not in effects.get(name).techniques] == []
+
+
+@pytest.mark.gl
 def test_what_was_behind_the_camera_was_nowhere(stage, surface) -> None:
     stage.add(card(20.0), surface(), (0.0, 0.0, -2.0))
     rest(stage, at((0.0, 0.0, -2.5)))

@@ -263,6 +263,24 @@ def test_paths_are_bit_equal(stage: Stage, path: str) -> None:
 
 
 @pytest.mark.gl
+def test_many_lights_by_lists_are_all_lights(stage: Stage, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two mirrors, glass before them, and thirty small lamps: to the bit."""
+    stage.look(**SKY)
+    floor(stage)
+    wall = quat.from_axis_angle((0.0, 1.0, 0.0), np.pi / 4)
+    stage.add(card(3.0), surface(features=("planar_reflection",), **MIRROR), (-0.8, 0.6, -0.9), 1.0, wall)
+    bodies(stage)
+    stage.add(uv_sphere(0.2), surface("transparent", base_color=(0.9, 0.9, 0.2, 0.5), metallic=0.0), (0.1, 0.4, 0.9))
+    for x, y, z in np.random.default_rng(3).uniform((-1, 0.1, -1), (1, 1, 1), (30, 3)):
+        stage.lamp(LightAsset("point", (float(abs(x)), float(y), float(abs(z))), 0.3, 0.7), (x, y, z))
+    by_lists = stage.hdr(SIZE, CAMERA)
+    assert shown(stage) == 2
+    assert stage.runtime.renderer.rows.mirrors.lists.words > 0
+    monkeypatch.setattr("engine.render.planar.choice.LISTS_FROM", 10_000)
+    assert (stage.hdr(SIZE, CAMERA) == by_lists).all()
+
+
+@pytest.mark.gl
 @pytest.mark.parametrize(("scale", "offset"), [(1e-4, (0, 0, 0)), (1e4, (0, 0, 0)), (1.0, (1e6, -2e5, 1e6))])
 def test_tiny_huge_and_far_away(stage: Stage, scale: float, offset: tuple[float, float, float]) -> None:
     def picture(scale: float, offset: Any) -> NDArray[np.float32]:

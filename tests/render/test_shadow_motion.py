@@ -44,7 +44,7 @@ def restlessness(frames: list[np.ndarray], truths: list[np.ndarray]) -> float:
 
 
 def shade(center: np.ndarray, scale: float) -> np.ndarray:
-    """f8[h,w]: 0 in the square of half width scale / 2, turned as the card is, 1 beside it; edges as pixels see them."""
+    """f8[h,w]: 0 in the square of width `scale`, turned as the card is, 1 beside it; edges as pixels see them."""
     fine = 4
     along = (np.arange(SIZE[0] * fine) + 0.5) / (SIZE[0] * fine) * 2.0 - 1.0
     x, z = np.meshgrid(along * HALF - center[0], along * HALF - center[1])
@@ -56,9 +56,8 @@ def shade(center: np.ndarray, scale: float) -> np.ndarray:
 @pytest.mark.parametrize("filter", ["pcf", "vogel16", "evsm4"])
 @pytest.mark.parametrize("light", ["sun", "point"])
 def test_a_light_that_moves_does_not_make_edges_flicker(stage, light: str, filter: str) -> None:
-    """Steps of a fraction of a texel: all changes of all pixels against those of the geometry. The sun's map lies still in
-    the world, so that an edge only moves on; a lamp's map goes with it, and with it the stairs of its texels, which wander
-    along edges that are not the filter's to smooth away."""
+    """Steps of a fraction of a texel: all changes of all pixels against those of the geometry. The sun's map lies still
+    in the world, so that an edge only moves on; a lamp's map goes with it, and with it the stairs of its texels."""
     camera = above(stage)
     if light == "point":
         stage.lamp(LightAsset("point", intensity=5.0), (0.0, 3.0, 0.0))

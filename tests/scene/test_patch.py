@@ -98,6 +98,22 @@ def test_rows_are_given_out_as_before_the_change(scene: Scene) -> None:
     assert scene.nodes.add("fresh") == 6
 
 
+def test_another_node_in_a_row_that_undo_took_away_is_not_taken_for_the_one_that_was_there(scene: Scene) -> None:
+    for removed in (False, True):  # a row at the end of the table, a freed one
+        if removed:
+            scene.remove([4])
+        before = remember(scene)
+        row = scene.nodes.add("first")
+        patch = difference(scene, before)
+        first = int(scene.nodes.generation[row])
+        put(scene, patch.before)
+        put(scene, patch.after)
+        assert scene.nodes.generation[row] == first, "redo brings the same one"
+        put(scene, patch.before)
+        assert scene.nodes.add("second") == row
+        assert scene.nodes.generation[row] != first
+
+
 def test_revisions_only_rise(scene: Scene) -> None:
     before, revision = remember(scene), scene.structure_rev
     scene.remove([4])

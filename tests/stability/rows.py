@@ -113,8 +113,23 @@ ROWS = (
          _SHADOWS + "test_shadows.py::test_a_cube_on_the_floor_touches_its_shadow"),
     ),
     Row(
-        "shadow.shimmer", "cascades crawl with the camera",
-        (_SHADOWS + "test_shadows.py::test_moving_the_camera_by_less_than_a_texel_moves_no_shadow",),
+        "shadow.shimmer", "cascades crawl with the camera, edges flicker with the light",
+        (_SHADOWS + "test_shadows.py::test_moving_the_camera_by_less_than_a_texel_moves_no_shadow",
+         _SHADOWS + "test_shadow_extremes.py::test_a_seventh_of_a_texel_changes_no_shadow",
+         _SHADOWS + "test_shadow_motion.py::test_a_light_that_moves_does_not_make_edges_flicker"),
+    ),
+    Row(
+        "shadow.range", "near 1e-3, a ground of 1e6 m; a sun in the zenith, below, on the horizon; 1 pixel; 8 maps",
+        (_SHADOWS + "test_shadow_extremes.py::test_near_of_a_millimetre_and_a_ground_of_a_thousand_kilometres",
+         _SHADOWS + "test_shadow_extremes.py::test_a_sun_straight_above_below_and_on_the_horizon",
+         _SHADOWS + "test_shadow_extremes.py::test_nothing_and_one_pixel",
+         _SHADOWS + "test_shadow_motion.py::test_any_number_of_cascades_however_split_shows_one_shadow"),
+    ),
+    Row(
+        "shadow.lamps", "a lamp inside a caster; scaled and moved scenes; panes before a lamp in them",
+        (_SHADOWS + "test_local_shadows.py::test_a_lamp_inside_a_body_lights_nothing_outside",
+         _SHADOWS + "test_local_shadows.py::test_far_from_the_origin_and_at_any_scale",
+         _SHADOWS + "test_local_tints.py::test_size_and_place_of_the_world_do_not_matter"),
     ),
     Row(
         "shadow.variance", "variance of a flat depth; two casters before a receiver",

@@ -22,9 +22,11 @@ NOTHING = (float(NO_REFLECTION), 0.0, 0.0, 0.0)
 class DeepGbufferPass(Pass):
     """Two draws: layer 1 is peeled against the depth of layer 0 of this very frame, exactly.
 
-    One draw into two layers would need to know layer 0 beforehand: the depth of the frame before, moved to now, stands
-    in for it where frames follow one another (Mara et al. 2016, sect. 3). It is wrong where things were hidden, and a
-    still picture, which must depend on nothing but the scene, has none."""
+    One draw into two layers (Mara et al. 2016, sect. 3: each triangle goes to both) would save what the second one
+    costs besides its pixels, triangles and commands: 1 % of the pass where there are few (a box, 15 ms at 640 x 427 on
+    two cores of llvmpipe), 3 % for 2,000 blocks (35 ms), 5 % in the atrium (51 ms). It would have to know layer 0
+    beforehand: the depth of the frame before, moved to now, is wrong where things were hidden, and a still picture,
+    which must depend on nothing but the scene, has none."""
 
     name: ClassVar[str] = "deep_gbuffer"
     reach: ClassVar[int | None] = 0

@@ -7,14 +7,16 @@ Stages and their buffers: engine/render/light_lists.py.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from engine.framegraph.builder import Builder
 from engine.framegraph.passes import WHOLE_PICTURE, Pass, PassContext
 from engine.gpu.glsl_layout import Field, layout
-from engine.gpu.types import Bindings, Buffer
+from engine.gpu.types import Bindings, Buffer, Texture
 from engine.render.facts import SceneFacts
 from engine.render.frame import (
     DEPTH_UNIT,
@@ -25,7 +27,8 @@ from engine.render.frame import (
     VIEW_BINDING,
     RenderFrame,
 )
-from engine.render.lighting import TESTS
+from engine.render.light_lists import LightLists
+from engine.render.lighting import TESTS, Lighting
 
 #: rg32ui array, a texel per tile: first entry in the light list, count; a layer per list
 LIGHT_TILES = "light_tiles"
@@ -41,6 +44,75 @@ BLOCK = layout(
 )
 SEEN = GROUPS = 0  # one of them at a time
 TILES, VIEW_MASK, BIN_MASK, BIN_DEPTH, BIN_PARTS, COUNTERS = 1, 2, 3, 4, 6, 7
+
+
+@dataclass(frozen=True, slots=True)
+class ListJob:
+    """The lists of one view: `row`, of VIEW_LAYOUT, is what `view` holds; `depth` with so many `samples`; `tiles`: the
+    headers are written there; `blended`: lists for what is blended are wanted, too."""
+
+    lists: LightLists
+    lighting: Lighting
+    view: Buffer
+    row: NDArray[np.void]
+    depth: Texture
+    samples: int
+    tiles: Texture
+    blended: bool
+
+    def bindings(self, frame: RenderFrame, block: Buffer) -> Bindings:
+        lists = self.lists
+        return Bindings(
+            uniforms={VIEW_BINDING: self.view, PASS_BINDING: block},
+            storage={
+                GROUPS: lists.groups, TILES: lists.tiles, VIEW_MASK: lists.view_mask, BIN_MASK: lists.bin_mask,
+                BIN_DEPTH: lists.bin_depth, BIN_PARTS: lists.bin_parts,
+                LIGHT_LIST_BINDING: lists.list, LIGHT_BOUNDS_BINDING: lists.bounds, COUNTERS: lists.counters,
+            },
+            textures={DEPTH_UNIT: (self.depth, frame.point_sampler)},
+            images={0: (self.tiles, 0, "read_write")},
+        )  # fmt: skip
+
+    def tell_room(self) -> None:
+        """The list is another: its room is in the view block, which shaders test headers against."""
+        self.row["tiles"][1] = self.lists.capacity
+        self.view.write(self.row.tobytes())
+
+
+def make_lists(ctx: PassContext, name: str, job: ListJob) -> None:
+    """Which lights reach each tile of a view. `name`: of its pass block."""
+    frame: RenderFrame = ctx.frame
+    lists, lighting = job.lists, job.lighting
+    row = np.zeros((), BLOCK.dtype)
+    row["words"], row["parts"] = lists.words, lists.parts
+    row["bin_columns"], row["blended"] = lists.bins[0], job.blended
+    block = frame.pass_block(name, row)
+    bins_x, bins_y = lists.bins
+    lists.begin()
+    word_groups = -(-lists.words // 64)
+    layers = lighting.lists if lighting.clustered else 1 + job.blended
+    tile_defines = {
+        "TEST": TESTS.index(lighting.test), "DEPTH_BINS": int(lighting.depth == "bins"),
+        "CLUSTERS": int(lighting.clustered), "LOOP_STEPS": lighting.steps,
+    }  # fmt: skip
+    #: shader, defines, groups
+    stages: tuple[tuple[str, dict[str, int], tuple[int, int, int]], ...] = (
+        ("tile_bounds.comp", {"SAMPLES": job.samples, "DEPTH_BINS": int(lighting.depth == "bins")},
+         (bins_x, bins_y, 1)),
+        ("light_view.comp", {}, (word_groups, 1, 1)),
+        ("light_bins.comp", {}, (word_groups, bins_x, bins_y)),
+        ("light_tiles.comp", {"WRITES": 0, **tile_defines}, (bins_x, bins_y, layers)),
+        ("light_tiles.comp", {"WRITES": 1, **tile_defines}, (bins_x, bins_y, layers)),
+    )  # fmt: skip
+    with ctx.device.compute_pass(name) as compute_pass:
+        compute_pass.set_bindings(job.bindings(frame, block))
+        for shader, defines, groups in stages:
+            if defines.get("WRITES") and lists.unsure and lists.counted():
+                job.tell_room()
+                compute_pass.set_bindings(job.bindings(frame, block))
+            pipeline = frame.programs.compute(shader, block=BLOCK, block_name="culling", defines=defines)
+            compute_pass.set_pipeline(pipeline)
+            compute_pass.dispatch(*groups)
 
 
 class LightCullingPass(Pass):
@@ -65,59 +137,14 @@ class LightCullingPass(Pass):
 
     def execute(self, ctx: PassContext) -> None:
         frame: RenderFrame = ctx.frame
-        lists, lighting = frame.light_lists, frame.facts.lighting
-        blended = frame.facts.transparent or frame.facts.force_all
-        row = np.zeros((), BLOCK.dtype)
-        row["words"], row["parts"] = lists.words, lists.parts
-        row["bin_columns"], row["blended"] = lists.bins[0], blended
-        block = frame.pass_block(self.name, row)
-        bins_x, bins_y = lists.bins
-        lists.begin()
-        word_groups = -(-lists.words // 64)
-        layers = lighting.lists if lighting.clustered else 1 + blended
-        tile_defines = {
-            "TEST": TESTS.index(lighting.test), "DEPTH_BINS": int(lighting.depth == "bins"),
-            "CLUSTERS": int(lighting.clustered), "LOOP_STEPS": lighting.steps,
-        }  # fmt: skip
-        #: shader, defines, groups
-        stages: tuple[tuple[str, dict[str, int], tuple[int, int, int]], ...] = (
-            ("tile_bounds.comp", {"SAMPLES": frame.facts.samples, "DEPTH_BINS": int(lighting.depth == "bins")},
-             (bins_x, bins_y, 1)),
-            ("light_view.comp", {}, (word_groups, 1, 1)),
-            ("light_bins.comp", {}, (word_groups, bins_x, bins_y)),
-            ("light_tiles.comp", {"WRITES": 0, **tile_defines}, (bins_x, bins_y, layers)),
-            ("light_tiles.comp", {"WRITES": 1, **tile_defines}, (bins_x, bins_y, layers)),
+        make_lists(
+            ctx, self.name, ListJob(
+                frame.light_lists, frame.facts.lighting, frame.view_buffer, frame.shadow_rows, ctx.texture("depth"),
+                frame.facts.samples, ctx.texture(LIGHT_TILES), frame.facts.transparent or frame.facts.force_all,
+            ),
         )  # fmt: skip
-        with ctx.device.compute_pass(self.name) as compute_pass:
-            compute_pass.set_bindings(self._bindings(ctx, block))
-            for shader, defines, groups in stages:
-                if defines.get("WRITES") and lists.unsure and lists.counted():
-                    self._tell_room(frame)
-                    compute_pass.set_bindings(self._bindings(ctx, block))
-                pipeline = frame.programs.compute(shader, block=BLOCK, block_name="culling", defines=defines)
-                compute_pass.set_pipeline(pipeline)
-                compute_pass.dispatch(*groups)
         if frame.view.settings.light_stats:
             self._count_needed(ctx)
-
-    def _bindings(self, ctx: PassContext, block: Buffer) -> Bindings:
-        frame: RenderFrame = ctx.frame
-        lists = frame.light_lists
-        return Bindings(
-            uniforms={VIEW_BINDING: frame.view_buffer, PASS_BINDING: block},
-            storage={
-                GROUPS: lists.groups, TILES: lists.tiles, VIEW_MASK: lists.view_mask, BIN_MASK: lists.bin_mask,
-                BIN_DEPTH: lists.bin_depth, BIN_PARTS: lists.bin_parts,
-                LIGHT_LIST_BINDING: lists.list, LIGHT_BOUNDS_BINDING: lists.bounds, COUNTERS: lists.counters,
-            },
-            textures={DEPTH_UNIT: (ctx.texture("depth"), frame.point_sampler)},
-            images={0: (ctx.texture(LIGHT_TILES), 0, "read_write")},
-        )  # fmt: skip
-
-    def _tell_room(self, frame: RenderFrame) -> None:
-        """The list is another: its room is in the view block, which shaders test headers against."""
-        frame.shadow_rows["tiles"][1] = frame.light_lists.capacity
-        frame.view_buffer.write(frame.shadow_rows.tobytes())
 
     def _count_needed(self, ctx: PassContext) -> None:
         frame: RenderFrame = ctx.frame

@@ -15,6 +15,7 @@ from engine.gpu.types import ColorAttachment, DepthAttachment, SamplerDesc, Text
 from engine.render.facts import SceneFacts
 from engine.render.frame import (
     INPUT_UNIT,
+    LIGHT_TILES_UNIT,
     PASS_BINDING,
     PLANAR_REACH_UNIT,
     PLANAR_UNIT,
@@ -23,15 +24,16 @@ from engine.render.frame import (
     RenderFrame,
     SeenBy,
 )
+from engine.render.passes.light_culling import ListJob, make_lists
 from engine.render.passes.local_shadows import local_shadow_inputs, read_local_shadows
 from engine.render.passes.shadow_cascades import SUN_MOMENTS, SUN_SHADOW, SUN_TINT, shadow_inputs
 from engine.render.planar.mirrors import Mirror
-from engine.render.planar.programs import ROLE, MirrorPrograms
+from engine.render.planar.programs import ROLE, MirrorPrograms, lighting_behind
 
 #: arrays of a layer per mirror. rgba16f: light, premultiplied by how much of the texel shows a body; r32f: depth
 PLANAR, PLANAR_REACH = "planar", "planar_reach"
-#: of the mirror that is drawn
-DEPTH = "planar_depth"
+#: of the mirror that is drawn; headers of its light lists, where there are many lights
+DEPTH, TILES = "planar_depth", "planar_tiles"
 #: what transmissive bodies in a mirror see behind them
 BEHIND = "planar_behind"
 _SMOOTH = SamplerDesc("clamp", "clamp", "clamp")
@@ -58,6 +60,10 @@ class PlanarReflectionsPass(Pass):
         b.create(PLANAR, "rgba16f", size=size, kind="2d-array", layers=layers, mips=0)
         b.create(PLANAR_REACH, "r32f", size=size, kind="2d-array", layers=layers, mips=0)
         b.create(DEPTH, "d32f", size=size)
+        lighting = lighting_behind(b.facts)
+        if lighting.path == "forward-plus":
+            tiles = (-(-size[0] // lighting.tile), -(-size[1] // lighting.tile))
+            b.create(TILES, "rg32ui", size=tiles, kind="2d-array", layers=lighting.lists)
         if b.facts.transmission:
             b.create(BEHIND, "rgba16f", size=size, mips=0)
 
@@ -75,15 +81,19 @@ class PlanarReflectionsPass(Pass):
 
     def _draw(self, ctx: PassContext, layer: int, mirror: Mirror) -> None:
         frame: RenderFrame = ctx.frame
-        color, depth = ctx.texture(PLANAR), ctx.texture(DEPTH)
-        seen = SeenBy(
-            frame.pass_block(f"mirror {layer} view", mirror.view_row), frame.mirrors.ids, frame.mirrors.commands
-        )
-        clip = frame.pass_block(f"mirror {layer} clip", mirror.clip_row)
-        role = OtherRole(ROLE, partial(self._programs.get, frame), {PASS_BINDING: clip}, (self.name, layer))
+        color, depth, mirrors = ctx.texture(PLANAR), ctx.texture(DEPTH), frame.mirrors
+        view = frame.pass_block(f"mirror {layer} view", mirror.view_row)
+        clip = {PASS_BINDING: frame.pass_block(f"mirror {layer} clip", mirror.clip_row)}
+        seen = SeenBy(view, mirrors.ids, mirrors.commands, mirrors.lists)
+        role = OtherRole(ROLE, partial(self._programs.surface, frame), clip, (self.name, layer))
         inputs = {**shadow_inputs(ctx), **local_shadow_inputs(ctx)}
+        far: float | None = 0.0
+        if ctx.has(TILES):
+            self._lists(ctx, layer, mirror, seen, clip)
+            inputs[LIGHT_TILES_UNIT] = (ctx.texture(TILES), frame.point_sampler)
+            far = None  # it is drawn
         target = ColorAttachment(color, layer=layer, clear=NOTHING)
-        with ctx.device.render_pass(f"mirror {layer}", [target], DepthAttachment(depth, 0.0)) as render_pass:
+        with ctx.device.render_pass(f"mirror {layer}", [target], DepthAttachment(depth, far)) as render_pass:
             frame.draw_batches(render_pass, mirror.opaque, 1, inputs, other=role, seen=seen)
         if not mirror.blended:
             return
@@ -92,6 +102,24 @@ class PlanarReflectionsPass(Pass):
         target = ColorAttachment(color, layer=layer)
         with ctx.device.render_pass(f"mirror {layer}", [target], DepthAttachment(depth)) as render_pass:
             frame.draw_batches(render_pass, mirror.blended, 1, inputs, other=role, seen=seen)
+
+    def _lists(self, ctx: PassContext, layer: int, mirror: Mirror, seen: SeenBy, clip: dict[int, Any]) -> None:
+        """Which lights reach what the mirror shows, from its depth."""
+        frame: RenderFrame = ctx.frame
+        depth, lists = ctx.texture(DEPTH), seen.lists
+        lighting = self._programs.facts(frame).lighting
+        batches = [batch for batch in mirror.opaque if frame.programs.has_role(batch.state, "depth")]
+        role = OtherRole("depth", partial(self._programs.depth, frame), clip, (self.name, layer, "depth"))
+        with ctx.device.render_pass(f"mirror {layer} depth", [], DepthAttachment(depth, clear=0.0)) as render_pass:
+            frame.draw_batches(render_pass, batches, 1, other=role, seen=seen)
+        assert frame.mirrors.light_bounds is not None, "of this frame"
+        lists.upload_bounds(frame.mirrors.light_bounds)
+        lists.prepare(lighting, depth.desc.width, depth.desc.height, frame.light_count)
+        row = mirror.view_row
+        row["tiles"], row["clusters"] = lists.view_fields(lighting, frame.view.camera.znear)
+        seen.view.write(row.tobytes())
+        job = ListJob(lists, lighting, seen.view, row, depth, 1, ctx.texture(TILES), bool(mirror.blended))
+        make_lists(ctx, f"mirror {layer} lights", job)
 
     def _behind(self, ctx: PassContext, layer: int) -> tuple[Any, Any]:
         """A copy of what is solid in a mirror, with mips."""

@@ -11,8 +11,11 @@ surface shading (shaders/lib/planar.glsl) finds its plane by where it is, and lo
 The eye behind a mirror sees its picture the wrong way round, so that it is a camera like any other: no winding turns,
 and the place of a pixel is the same with left and right exchanged. What is behind the plane is cut by gl_ClipDistance:
 the oblique near plane of Lengyel (2005) has no room in a reversed, endless projection. Mirrors in mirrors show the
-environment: one picture per plane, none of them in another. All lights shade what a mirror shows (there are no light
-lists of its view), without ambient occlusion, light between surfaces or several samples a pixel. Where the sun's
+environment: one picture per plane, none of them in another. What a mirror shows is shaded by all lights, of many by
+light lists of its own, without ambient occlusion, light between surfaces or several samples a pixel. Where the sun's
 cascades do not reach, beyond what the camera sees, it casts no shadow in a mirror. What an effect moves in tessellation
 or geometry stages is not cut at the plane; skinned and morphed bodies are no mirrors, but are seen in them.
+
+Atrium, 1,024 lamps, 480x270, software rasteriser on two cores, milliseconds: frame without 413; the mirror 286, of half
+the width 97; by all lights instead of lists 4,547 and 986.
 """

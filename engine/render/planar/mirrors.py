@@ -15,6 +15,8 @@ from engine.math.frustum import planes_from_matrix
 from engine.render.draw_commands import fit_buffer
 from engine.render.draw_list import DrawList
 from engine.render.draw_states import Batch
+from engine.render.light_lists import LightLists
+from engine.render.light_rows import LightBounds
 from engine.render.planar.camera import mirrored_camera
 from engine.render.planar.choice import Planar
 from engine.render.planar.planes import MirrorPlane, MirrorPlanes
@@ -66,16 +68,21 @@ class Mirrors:
         self.ids: Buffer = device.buffer(4, label="mirror ids")
         self.commands: Buffer = device.buffer(20, label="mirror commands")
         self.shown: list[Mirror] = []
+        #: of the mirror that is drawn, where there are many lights
+        self.lists = LightLists(device)
+        self.light_bounds: LightBounds | None = None
         #: for surface shaders, by binding; empty where no frame has a mirror
         self.uniforms: Mapping[int, Any] = {}
         self._block: Buffer | None = None
 
     def update(
         self, scene: Scene, view: View, planar: Planar, draws: DrawList, block: NDArray[np.void], origin: F8,
-        jitter: tuple[float, float] = (0.0, 0.0), *, everything: bool = False,
+        bounds: LightBounds, jitter: tuple[float, float] = (0.0, 0.0), *, everything: bool = False,
     ) -> None:  # fmt: skip
-        """Find the mirrors of this frame and what they see. `block`: the view's row of VIEW_LAYOUT; `jitter`: the
-        pixels that it is shifted by. `everything`: have a block also where there is none."""
+        """Find the mirrors of this frame and what they see. `block`: the view's row of VIEW_LAYOUT; `bounds`: what
+        local lights reach; `jitter`: the pixels that the view is shifted by. `everything`: have a block also where
+        there is none."""
+        self.light_bounds = bounds
         found = self.planes.of_view(scene, view, planar.mirrors) if planar.wanted else []
         self.shown, self.uniforms = [], {}
         if not planar.wanted and not everything:
@@ -119,6 +126,7 @@ class Mirrors:
         for buffer in (self.ids, self.commands, self._block):
             if buffer is not None:
                 buffer.release()
+        self.lists.release()
         self._block, self.uniforms = None, {}
 
 

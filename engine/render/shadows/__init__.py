@@ -18,6 +18,8 @@ camera, sun, bounding spheres ─► fit ─► cascades ─► rows of the view
 
 lights that cast ─► atlas, faces ─► tiles ─► rows of a buffer ─► shaders/lib/local_shadows.glsl, soft_lamps.glsl
                                          └─► caster masks, keys ─► passes/local_shadows.py ─► d32f atlas
+                                             ─► passes/local_moments.py, for filters that blur ─► moments
+                                             ─► passes/local_tints.py ─► colours ─► shaders/lib/local_tint.glsl
 
 Depth in the maps is reversed as everywhere: 1 towards the sun, 0 away from it, cleared to 0 (nothing casts); a point is
 lit where its depth is at least the map's.
@@ -27,10 +29,10 @@ of the local lights that cast; other suns shine through things. A local light wi
 radius) throws shadows as soft as geometry makes them.
 Solid lit surfaces cast, blended and unlit ones do not; all lit surfaces, blended ones too, show shadows.
 
-With `translucent_shadows` blended lit surfaces are filters for the sun: each leaves mix(white, its base colour, its
-alpha) of the light that meets it, a transmissive one its base colour times its transmission (McGuire, Mara 2017);
-filters in a row are a product. As often as a camera in the sun would see the surface blended: a closed body once, with
-both faces twice. A white pane leaves all light, whatever its alpha. Only the depth of the pane nearest to the sun is
+With `translucent_shadows` blended lit surfaces are filters for light that casts shadows: each leaves mix(white, its
+base colour, its alpha) of the light that meets it, a transmissive one its base colour times its transmission (McGuire,
+Mara 2017); filters in a row are a product. As often as a camera in the light would see the surface blended: a closed
+body once, with both faces twice. A white pane leaves all light, whatever its alpha. Only the depth of the pane nearest to the light is
 known: what is between two of them has the tint of both. pcss and the blurred maps look tints up in a disc of the
-filter's radius. Lamps are not tinted.
+filter's radius; a lamp with a size does so over the lamp.
 """

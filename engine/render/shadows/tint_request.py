@@ -17,7 +17,8 @@ ROLE = "tint"
 def tint_request(
     state: DrawState, arena: MeshArena, facts: SceneFacts, effect: Effect, *, lamps: bool = False
 ) -> VariantRequest:
-    """`lamps`: into tiles of local lights, where another number says how near it is (passes/local_tints.py). The faces that the surface shows are those that tint: a closed body does so once, with both faces twice."""
+    """`lamps`: into tiles of local lights, where another number says how near it is (passes/local_tints.py). The faces
+    that the surface shows are those that tint: a closed body does so once, with both faces twice."""
     streams = arena_streams(arena, effect, state.features, ROLE)
     solid = state.transmissive and not state.veil  # its alpha says nothing
     defines = (*((("LAMPS", 1),) if lamps else ()), *((("SOLID", 1),) if solid else ()))

@@ -1,7 +1,8 @@
 """What an artist does, done in the real window, one picture a step, to be looked at: selecting, gizmos, many at once,
 hanging elsewhere, isolating, measuring, comparing, look-dev, assets, palette, keys, layouts.
 
-`doing_window_ui.py FOLDER [--only select,compare]`: works on a small project that it writes. Pictures: FOLDER/NN-step.png.
+`doing_window_ui.py FOLDER [--only select,compare]`: works on a small project that it writes. Pictures:
+FOLDER/NN-step.png.
 """
 
 from __future__ import annotations

@@ -103,6 +103,15 @@ class Watcher:
         self.rest()
         seen["after_reload"] = self.alone(1.0)[0]
 
+        renders = session.image.renders
+        gathered = {"samples": 1, "antialias": "taa", "taa_frames": 4, "auto_exposure": True}
+        self.do(lambda: session.apply_settings(gathered))
+        self.until(lambda: session.image.settling)
+        seen["settles"] = self.until(lambda: not session.image.settling)
+        seen["gathered"] = session.image.renders - renders
+        self.rest()
+        seen["after_settling"] = self.alone(1.0)[0]
+
         text = self.folder / "boxes.grey.material.toml"
         self.do(lambda: session.open_code(text))
         self.rest()
@@ -111,7 +120,7 @@ class Watcher:
         assert front is not None
         seen["text_followed"] = self.until(lambda: "0.75" in front.text)
 
-        assert session.document is not None and session.journal is not None
+        assert session.journal is not None
         journal.SNAPSHOT_SECONDS = 1.0
         session.journal._snapshot_after = time.monotonic() + 1.0
         kept = session.journal
