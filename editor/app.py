@@ -43,6 +43,8 @@ from editor.strings import doors
 from editor.ui import Ui
 from engine.core.errors import DeviceError, LucarnaError
 
+#: frames a second of a window that `_pace` says nothing about: there is none, or tests drive it
+UNPACED_FPS = 10.0
 #: the wheel is at rest after so many seconds
 WHEEL_REST = 0.2
 #: how long a screenshot waits for a file that is still being opened, seconds
@@ -137,7 +139,7 @@ class App:
             layout_path().parent.mkdir(parents=True, exist_ok=True)
             p.ini_folder_type = hello_imgui.IniFolderType.absolute_path
             p.ini_filename = str(layout_path())
-        p.fps_idling.fps_idle = 1.0 / NEVER
+        p.fps_idling.fps_idle = UNPACED_FPS
         p.fps_idling.time_active_after_last_event = AWAKE
         p.fps_idling.remember_enable_idling = False
         p.fps_idling.enable_idling = self.frames == 0
@@ -305,7 +307,7 @@ class App:
             session.end_gesture()
         recovering.keep(session)
         self.ui.drawn += 1
-        if not (self.null_platform or self.frames):
+        if not (self.null_platform or self.frames or self.params.use_imgui_test_engine):
             self._pace()
         if self.ui.drawn > 1 and self.on_shown is not None:
             begin, self.on_shown = self.on_shown, None

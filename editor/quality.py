@@ -34,7 +34,9 @@ def fit_budget(session: Session, milliseconds: float) -> None:
     with session.device_frame():
         chosen = choose(runtime, session.view(), milliseconds)
     session.apply_settings(PRESETS[chosen.preset], f"Quality: {chosen.preset}")
-    (session.messages.info if chosen.within else session.messages.warn)("\n".join((f"quality {chosen.why}", *chosen.table)))
+    (session.messages.info if chosen.within else session.messages.warn)(
+        "\n".join((f"quality {chosen.why}", *chosen.table))
+    )
 
 
 def current(session: Session) -> str:

@@ -189,6 +189,8 @@ class TextureViewerPanel(Panel):
             self._read_key, self.image, self.values, self.problem = key, None, None, f"Cannot be read: {error}"
             return
         if found is None:  # on its way: what was there stays
+            if source.kind == "target":  # with the next picture
+                ui.again_in(0.0)
             return
         self._read_key, self.problem = key, ""
         self._pixels_key = self._shown_key = None

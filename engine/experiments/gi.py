@@ -18,15 +18,12 @@ from engine.core.errors import LucarnaError
 from engine.experiments.harness.context import Context, OpenScene
 from engine.experiments.harness.experiment import Experiment, Knobs, Outcome, Trial
 from engine.experiments.harness.gi_answers import Answer, answers, lag
-from engine.experiments.harness.pictures import beside_truth
 from engine.experiments.harness.pixel_truth import radiance, redrawn
 from engine.experiments.harness.scenes import MADE, open_scene, own_or, short
-from engine.math.color import linear_to_srgb, to_u1
+from engine.experiments.harness.shown_light import judge_picture, shown_floor
 from engine.render.settings import RenderSettings
 from engine.render.view import View
-from engine.report.metrics import rel_mse, rmse
-from engine.report.perceptual import flip
-from engine.report.records import Extreme, Floor, Point, Table
+from engine.report.records import Extreme, Point, Table
 
 F8 = NDArray[np.float64]
 
@@ -35,8 +32,6 @@ SCENES = [MADE + name for name in ("box", "atrium")]
 BOUNCES: dict[str, tuple[int, dict[str, Any]]] = {
     "one": (2, {"gi": "one"}), "many": (6, {"gi": "many", "gi_bounces": 5}),
 }  # fmt: skip
-#: what the mean of the truth is shown as
-MIDDLE = 0.25
 THESIS = {"method": "spiral, thesis", "steps": 50}
 #: method -> settings
 METHODS: dict[str, dict[str, Any]] = {
@@ -133,31 +128,6 @@ def judge(ctx: Context, scene: OpenScene, chosen: Knobs, truth: F8) -> Outcome:
     shown = chosen["method"] == "off" or chosen["steps"] in (DEFAULT["steps"], THESIS["steps"])
     label = f"{chosen['problem']}: {chosen['method']}" if shown else ""
     return judge_picture(ctx, radiance(scene, view(ctx, scene, chosen)), truth, label)
-
-
-def judge_picture(ctx: Context, ours: F8, truth: F8, label: str) -> Outcome:
-    """Errors of linear light beside `truth` f8[h,w,3]; pictures of both where there is a `label`."""
-    ours = ours.reshape(truth.shape)
-    scale = MIDDLE / max(float(truth.mean()), 1e-12)
-    display = [linear_to_srgb(np.clip(p * scale, 0.0, 1.0)) for p in (ours, truth)]
-    shown = [to_u1(p) for p in display]
-    error = {
-        "shown_rmse": rmse(*display), "rmse": rmse(ours, truth), "rel_mse": rel_mse(ours, truth),
-        "bias": float(np.mean(ours - truth)), "energy": float(ours.mean() / max(truth.mean(), 1e-12)),
-        "flip": flip(*shown)[0],
-    }  # fmt: skip
-    return Outcome(error, pictures=beside_truth(ctx, label, shown[0], "path traced", shown[1]) if label else [])
-
-
-def shown_floor(ctx: Context) -> Floor | None:
-    """Of the films that are kept in the scratch, as shown."""
-    found = []
-    for film in ctx.scratch.values():
-        if hasattr(film, "halves"):
-            scale = MIDDLE / max(float(film.mean.mean()), 1e-12)
-            first, second = (linear_to_srgb(np.clip(half * scale, 0.0, 1.0)) for half in film.halves)
-            found.append(rmse(first, second) / 2.0)
-    return Floor(max(found), "the path tracer's noise") if found else None
 
 
 def tables(ctx: Context, points: Sequence[Point]) -> list[Table]:

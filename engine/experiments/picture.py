@@ -48,6 +48,7 @@ VARIED: dict[str, tuple[tuple[Any, ...], Any]] = {
     "shadow_cascades": ((1, 2, 3, 4), lambda f: f.sun_shadows),
     "path": (tuple(p for p in PATH_CHOICES if p != "auto"), lambda f: f.local_lights),
     "light_tile": (tuple(map(str, TILE_SIZES)), lambda f: f.local_lights and f.lighting.path != "forward"),
+    "depth_first": ((True,), lambda f: f.opaque and not f.depth_first),
     "alpha_to_coverage": ((False,), lambda f: f.alpha_to_coverage),
     "anisotropy": ((1.0, 4.0, 16.0), lambda f: True),
     "force_all": ((True,), lambda f: True),

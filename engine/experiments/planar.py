@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 
 from engine.core.errors import LucarnaError
-from engine.experiments.gi import judge_picture, shown_floor
 from engine.experiments.harness.context import Context
 from engine.experiments.harness.experiment import Experiment, Knobs, Outcome, Trial
 from engine.experiments.harness.pixel_truth import radiance, redrawn
 from engine.experiments.harness.scenes import MADE, open_scene, short
+from engine.experiments.harness.shown_light import judge_picture, shown_floor
 from engine.render.settings import RenderSettings
 from engine.render.view import View
 from engine.report.records import Point, Table

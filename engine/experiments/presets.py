@@ -51,6 +51,7 @@ def knobs(ctx: Context) -> list[dict[str, Any]]:
     return [
         {"scene": scene, "edges": way, "preset": name}
         for scene in own_or(ctx, SCENES) for way in (OWN, *edges) for name in names
+        if way == OWN or values({"edges": way, "preset": name}) != values({"edges": OWN, "preset": name})
     ]  # fmt: skip
 
 
@@ -62,6 +63,10 @@ def settings(chosen: Knobs) -> RenderSettings:
     elif way != OWN:
         values |= {"samples": 4 if way == "msaa" else 1, "antialias": "none" if way == "msaa" else way}
     return RenderSettings(**values)
+
+
+def values(chosen: Knobs) -> dict[str, Any]:
+    return settings(chosen).values()
 
 
 def view(ctx: Context, scene: OpenScene, how: RenderSettings) -> View:

@@ -1,30 +1,34 @@
-"""Mirrors against a path tracer: how many places along a mirrored ray are looked at, and how far it goes.
+"""Mirrors against a path tracer: how many pieces of the picture a mirrored ray goes through, and how far it goes.
 
 Both pictures have light of two surfaces: what a mirror shows is lit by lamps and suns, what is matt is lit by one
 surface more (`gi` is one). Off, mirrors see the surroundings, of which there are none in the made scene. All of the
-picture counts; what stands outside of it, or shows it its back, no number of places finds.
+picture counts; what stands outside of it, or shows it its back, no number of pieces finds.
 """
 
 from __future__ import annotations
 
-from collections.abc import Generator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from typing import Any
 
 from engine.core.errors import LucarnaError
-from engine.experiments.gi import judge_picture, shown_floor
 from engine.experiments.harness.context import Context, OpenScene
 from engine.experiments.harness.experiment import Experiment, Knobs, Outcome, Trial
+from engine.experiments.harness.mirror_answers import Mirrored, bars
 from engine.experiments.harness.pixel_truth import radiance, redrawn
 from engine.experiments.harness.scenes import MADE, open_scene, own_or, short
+from engine.experiments.harness.shown_light import judge_picture, shown_floor
 from engine.render.settings import RenderSettings
 from engine.render.view import View
-from engine.report.records import Point, Table
+from engine.report.records import Extreme, Point, Table
 
 SCENES = (MADE + "mirrors",)
-STEPS = (8, 16, 32, 64, 128)
+STEPS = (16, 32, 64, 128, 256)
 #: of the scene's size: as far as there is anything, and a fifth of it
 REACH = {"whole": 1.0, "a fifth": 0.2}
-DEFAULT = {"reach": "whole", "steps": 32}
+STEPS_BY_DEFAULT = 128
+DEFAULT = {"reach": "whole", "steps": STEPS_BY_DEFAULT}
+#: pieces for which the known answer is asked
+KNOWN = (16, 32, 64, 128)
 
 
 def size(ctx: Context) -> tuple[int, int, int]:
@@ -37,7 +41,9 @@ def knobs(ctx: Context) -> list[dict[str, Any]]:
     for name in own_or(ctx, SCENES):
         found.append({"scene": name, "reach": "off", "steps": 0})
         for reach in ("whole",) if ctx.quick else REACH:
-            found += [{"scene": name, "reach": reach, "steps": n} for n in ((32,) if ctx.quick else STEPS)]
+            found += [
+                {"scene": name, "reach": reach, "steps": n} for n in ((STEPS_BY_DEFAULT,) if ctx.quick else STEPS)
+            ]
     return found
 
 
@@ -111,13 +117,36 @@ def tables(ctx: Context, points: Sequence[Point]) -> list[Table]:
                 short(scene), "off" if p is off else "default", f"{p.ms.median:.3g}", "" if p is off else more,
                 *(f"{p.error[name]:.3g}" for name in ("shown_rmse", "flip", "energy")),
             ])  # fmt: skip
+    bars = [[str(n), f"{100 * m.missed:.2f} %", f"{100 * m.false:.2f} %"] for n, m in known(ctx).items()]
     heads = ["scene", "what", "ms", "costs ms", "display rmse", "FLIP", "energy"]
-    return [Table("On and off", heads, rows, "Whole frames; energy: all light of the picture over that of the truth.")]
+    return [
+        Table("On and off", heads, rows, "Whole frames; energy: all light of the picture over that of the truth."),
+        Table(
+            "A floor that mirrors thin bars: pixels that are wrong", ["pieces", "a bar is missed", "a bar is too many"],
+            bars, "By formula, of pixels that show nothing's edge; bars are two pixels wide.",
+        ),
+    ]  # fmt: skip
+
+
+def known(ctx: Context) -> dict[int, Mirrored]:
+    """Made once for the table and the extreme case."""
+    device = ctx.device
+    if device is None:
+        return {}
+    return ctx.once("reflections: bars", lambda: {n: bars(device, reflection_steps=n) for n in KNOWN})
+
+
+def extremes(ctx: Context) -> Iterator[Extreme]:
+    """What is known without a path tracer, at the default."""
+    found = known(ctx).get(STEPS_BY_DEFAULT)
+    if found is not None:
+        text = f"{100 * found.missed:.2f} % missed, {100 * found.false:.2f} % too many"
+        yield Extreme("thin bars in a mirror floor", text, found.missed == 0.0 and found.false == 0.0)
 
 
 EXPERIMENT = Experiment(
     title="Mirrors against a path tracer",
-    method="marched through both layers of what the camera sees, and halved where the ray goes behind one; whole frame",
+    method="marched through both layers of what the camera sees, over whole pieces where nothing is; whole frame",
     truth="path tracing on embree with the same surfaces and lights, of two surfaces",
     metric="shown_rmse",
     unit="display value",
@@ -128,10 +157,11 @@ EXPERIMENT = Experiment(
     run=run,
     prepare=prepare,
     tables=tables,
+    extremes=extremes,
     needs=frozenset({"gpu", "rays"}),
     own_scene=True,
     timed="gpu",
     noise_floor=shown_floor,
     time_label="median frame time",
-    note="No order is expected: what is outside of the picture is not known however many places are looked at.",
+    note="No order is expected: what is outside of the picture is not known however far a ray goes.",
 )

@@ -6,13 +6,7 @@ layout(binding = 27) uniform sampler2D t_local_tint;
 
 const float LOCAL_TINT_SHARPNESS = 1.0 - 1.0 / 1024.0;  // kept as halves
 
-#if SHADOW_FILTER < 2
-const int LOCAL_TINT_TAPS = 1;
-#elif SHADOW_FILTER == 2 || SHADOW_FILTER == 5
-const int LOCAL_TINT_TAPS = 8;
-#else
-const int LOCAL_TINT_TAPS = 16;
-#endif
+#include "lib/tint_taps.glsl"
 
 // along: of the receiver, in the unit of `a`.
 vec3 lamp_texel_taken(ivec2 texel, float along)
@@ -76,11 +70,11 @@ vec3 local_tint(uint i, vec3 p, vec3 n, uvec2 pixel)
     float turn = pixel_turn(pixel);
     vec2 direction = vec2(cos(turn), sin(turn));
     vec3 sum = vec3(0.0);
-    for (int k = 0; k < LOCAL_TINT_TAPS; ++k) {
-        vec2 uv = r.middle + direction * (r.radius * r.unit * vogel_radius(k, LOCAL_TINT_TAPS));
+    for (int k = 0; k < TINT_TAPS; ++k) {
+        vec2 uv = r.middle + direction * (r.radius * r.unit * vogel_radius(k, TINT_TAPS));
         sum += lamp_taken(clamp(uv, r.low, r.high), along);
         direction = GOLDEN_TURN * direction;
     }
-    return 1.0 - sum / float(LOCAL_TINT_TAPS);
+    return 1.0 - sum / float(TINT_TAPS);
 #endif
 }

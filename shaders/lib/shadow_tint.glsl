@@ -5,13 +5,7 @@ layout(binding = 23) uniform sampler2DArray t_sun_tint;  // rgb: what is left; a
 
 const float TINT_SHARPNESS = 1.0 - 1.0 / 2048.0;  // depths are kept as halves
 
-#if SHADOW_FILTER < 2
-const int TINT_TAPS = 1;
-#elif SHADOW_FILTER == 2 || SHADOW_FILTER == 5
-const int TINT_TAPS = 8;
-#else
-const int TINT_TAPS = 16;
-#endif
+#include "lib/tint_taps.glsl"
 
 vec3 texel_taken(ivec2 texel, float layer, float depth)
 {

@@ -27,9 +27,36 @@ const float ALIKE = 0.5;
 const float LEAST = 1.0 / 128.0;
 
 // Depth that half floats tell apart to 2 % however far it is; in a parallel projection, whose depth is linear, itself.
-const float FARTHEST = 1e-12;
-float stored_depth(float depth) { return view.camera.w > 0.5 ? log2(max(depth, FARTHEST)) : depth; }
-float kept_depth(float stored) { return view.camera.w > 0.5 ? exp2(stored) : stored; }
+const float DOUBLINGS = 40.0;
+const float FARTHEST = exp2(-DOUBLINGS);
+float stored_depth(float depth) { return view.camera.w > 0.5 ? DOUBLINGS + log2(max(depth, FARTHEST)) : depth; }
+
+// 0 for what is no number
+float kept_depth(float stored)
+{
+    float kept = stored > 0.0 ? min(stored, DOUBLINGS) : 0.0;
+    return view.camera.w > 0.5 ? exp2(kept - DOUBLINGS) : kept;
+}
+
+// What flickers, and before the point for how many frames it was missed; 0 for what is no number.
+float kept_flicker(float stored) { return stored > 0.0 ? min(stored, MISSED + 1.99) : 0.0; }
+
+// Motion as its length and its angle in turns, so that nothing that is kept is below 0; what is no number is none.
+const float LONGEST = 30000.0;
+vec2 sane_motion(vec2 m) { return all(lessThanEqual(abs(m), vec2(LONGEST))) ? m : vec2(0.0); }
+
+vec2 stored_motion(vec2 m)
+{
+    float l = length(m);
+    return l > 0.0 ? vec2(min(l, LONGEST), fract(atan(m.y, m.x) / (2.0 * PI) + 1.0)) : vec2(0.0);
+}
+
+vec2 kept_motion(vec2 stored)
+{
+    float l = stored.x > 0.0 ? min(stored.x, LONGEST) : 0.0;
+    float turn = stored.y > 0.0 ? min(stored.y, 1.0) * 2.0 * PI : 0.0;
+    return l * vec2(cos(turn), sin(turn));
+}
 
 ivec2 inside(ivec2 p) { return clamp(p, ivec2(0), ivec2(view.size.xy) - 1); }
 
@@ -90,16 +117,16 @@ void main()
     ivec2 p = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(p, ivec2(view.size.xy)))) return;
     float depth = depth_at(p);
-    vec2 own = texelFetch(t_motion, p, 0).rg;
+    vec2 own = sane_motion(texelFetch(t_motion, p, 0).rg);
     vec4 now = now_at(p);
     if (taa.known < 0.5) {
         keep(p, now);
-        imageStore(i_seen, p, vec4(stored_depth(depth), 0.0, own));
+        imageStore(i_seen, p, vec4(stored_depth(depth), 0.0, stored_motion(own)));
         return;
     }
     if (taa.frozen > 0.5) {
         keep(p, mix(mean_at(p), now, taa.part));
-        imageStore(i_seen, p, vec4(stored_depth(depth), texelFetch(t_seen, p, 0).g, own));
+        imageStore(i_seen, p, vec4(stored_depth(depth), kept_flicker(texelFetch(t_seen, p, 0).g), stored_motion(own)));
         return;
     }
 
@@ -119,10 +146,10 @@ void main()
             nearest = inside(q);
         }
     }
-    vec2 moved = texelFetch(t_motion, nearest, 0).rg;
+    vec2 moved = sane_motion(texelFetch(t_motion, nearest, 0).rg);
     // what is thinner than a pixel goes on as it went, while it is missed
     vec4 last = texelFetch(t_seen, p, 0);
-    if (nearest_depth == depth && fract(last.g) > 0.0 && distance(last.ba, moved) < ALIKE) moved = last.ba;
+    if (nearest_depth == depth && fract(kept_flicker(last.g)) > 0.0 && distance(kept_motion(last.ba), moved) < ALIKE) moved = kept_motion(last.ba);
     vec2 pixel = vec2(p) + 0.5 - moved;
     bool outside = any(lessThan(pixel, vec2(0.0))) || any(greaterThan(pixel, view.size.xy));
 
@@ -133,9 +160,9 @@ void main()
     for (int k = 0; k < 4; ++k) {
         vec4 seen = texelFetch(t_seen, inside(from + ivec2(k & 1, k >> 1)), 0);
         farthest = min(farthest, kept_depth(seen.r));
-        if (distance(seen.ba, moved) < ALIKE) flickers = max(flickers, clamp(fract(seen.g), 0.0, 1.0));
+        if (distance(kept_motion(seen.ba), moved) < ALIKE) flickers = max(flickers, fract(kept_flicker(seen.g)));
     }
-    float missed = floor(clamp(texelFetch(t_seen, inside(ivec2(pixel)), 0).g, 0.0, MISSED + 1.0));
+    float missed = floor(kept_flicker(texelFetch(t_seen, inside(ivec2(pixel)), 0).g));
     // where something moved itself, what it hid is not known from cameras; there the colours around have to do
     bool dropped = outside || (own == moved && was_hidden(p, depth, farthest));
 
@@ -161,5 +188,5 @@ void main()
     // each fetch between texels softens: the faster, the fewer frames; measured best for 0 to 3 pixels a frame
     float part = dropped ? 1.0 : min(taa.part * (1.0 + min(length(moved), 2.0)), 1.0);
     keep(p, vec4(mix(max(held, vec3(0.0)), now.rgb, part), mix(before.a, now.a, part)));
-    imageStore(i_seen, p, vec4(stored_depth(depth), missed + flickers, moved));
+    imageStore(i_seen, p, vec4(stored_depth(depth), missed + flickers, stored_motion(moved)));
 }

@@ -104,51 +104,18 @@ class Walk:
 
     def step(self, dice: random.Random) -> str:
         """One random thing; returns what. Raises Broken."""
-        session, front = self.session, self.front
+        front = self.front
         document, before, at = front.document, front.content(), front.model.at
         revision = document.history.revision
         stamps = {home: stamp_of(home) for home, count in Counter(w.home for w in self.watched).items() if count > 1}
-        kinds = {
-            "undo": 18,
-            "drag": 8,
-            "set": 18,
-            "select": 14,
-            "operation": 42,
-            "prefab": 4,
-            "tab": 4,
-            "look": 2,
-            "move": 3,
-        }
-        kind = dice.choices(list(kinds), list(kinds.values()))[0]
-        what = kind
+        steps = {
+            self._undo: 18, self._drag: 8, self._set: 18, self._select: 14, self._any: 42, self._prefab: 4,
+            self._tab: 4, self._look: 2, self._move: 3, self._import: 2,
+        }  # fmt: skip
+        (do,) = dice.choices(list(steps), list(steps.values()))
+        what = do.__name__[1:]
         try:
-            if kind == "undo":
-                what = dice.choice(("edit.undo", "edit.redo", "jump"))
-                if what == "jump":
-                    document.history.go_to(
-                        dice.randint(0, len(document.history.entries) + len(document.history.undone))
-                    )
-                else:
-                    for _ in range(dice.randint(1, 6)):
-                        self.operations.run(what, session)
-            elif kind == "drag":
-                self._drag(dice)
-            elif kind == "set":
-                what = self._run("edit.set", dice)
-            elif kind == "prefab":
-                what = self._prefab(dice)
-            elif kind == "tab":
-                what = self._tab(dice)
-            elif kind == "move":
-                what = self._move(dice)
-            elif kind == "look":
-                self._look(dice)
-            elif kind == "import":
-                what = self._import(dice)
-            elif kind == "select":
-                what = self._run("select.nodes", dice)
-            else:
-                what = self._run(dice.choice([o.id for o in self.operations if o.id not in LEFT_OUT]), dice)
+            what = do(dice)
         except LucarnaError:
             what += " (refused)"
         self.counts[what] += 1
@@ -162,7 +129,6 @@ class Walk:
         quiet = front in self.watched and document.history.revision == revision
         if quiet and (front.content() != before or front.model.at != at):
             raise Broken(f"{what}: no edit was made, and the document is another")
-        what += f" ({session.ui.error_bar[:60]})" if session.ui.error_bar and kind == "move" else ""
         return what
 
     def keep_up(self) -> None:
@@ -208,6 +174,26 @@ class Walk:
         if shows != says:
             raise Broken(f"{what}: the saved files do not say what shows:\n{shows}\n{says}")
 
+    def _undo(self, dice: random.Random) -> str:
+        assert self.session.document is not None
+        history = self.session.document.history
+        what = dice.choice(("edit.undo", "edit.redo", "jump"))
+        if what == "jump":
+            history.go_to(dice.randint(0, len(history.entries) + len(history.undone)))
+            return what
+        for _ in range(dice.randint(1, 6)):
+            self.operations.run(what, self.session)
+        return what
+
+    def _set(self, dice: random.Random) -> str:
+        return self._run("edit.set", dice)
+
+    def _select(self, dice: random.Random) -> str:
+        return self._run("select.nodes", dice)
+
+    def _any(self, dice: random.Random) -> str:
+        return self._run(dice.choice([o.id for o in self.operations if o.id not in LEFT_OUT]), dice)
+
     def _run(self, id: str, dice: random.Random) -> str:
         operation = self.operations[id]
         if not operation.enabled(self.session):
@@ -235,8 +221,9 @@ class Walk:
 
     def _movable(self, home: Path, dice: random.Random) -> Path:
         """A file of the project, or a place where it would be another; the scene that is opened stays."""
-        files = [p for p in sorted(home.rglob("*")) if p.is_file() and not p.name.endswith(".scene.json")]
-        path = dice.choice(files)
+        kept = (".scene.json", stage.scene_of(home).name)
+        files = [p for p in sorted(home.rglob("*")) if p.is_file() and not p.name.endswith(kept)]
+        path = dice.choice(files or [home / "nowhere.png"])
         if dice.random() < 0.5:
             return path
         stem, dot, ending = path.name.partition(".")
@@ -268,7 +255,7 @@ class Walk:
             session.close()
         return f"tab: {what}"
 
-    def _look(self, dice: random.Random) -> None:
+    def _look(self, dice: random.Random) -> str:
         """What a panel does to show something that the scene does not use: it loads it."""
         document = self.session.document
         assert document is not None
@@ -280,6 +267,7 @@ class Walk:
                 residency.load_mesh_file(path)
             else:
                 residency.load_material(path)
+        return "load what a panel shows"
 
     def _import(self, dice: random.Random) -> str:
         """A source changes, or how it is imported; where a document has none, one with a source comes to the front."""
@@ -308,7 +296,7 @@ class Walk:
             document.select(dice.choice(rows))
         return self._run(dice.choice(PREFABS) if rows else "prefab.make", dice)
 
-    def _drag(self, dice: random.Random) -> None:
+    def _drag(self, dice: random.Random) -> str:
         """A gesture of some steps on one target, as a widget makes it; now and then back to where it began."""
         assert self.session.document is not None
         given = self.operations["edit.set"].sample
@@ -321,6 +309,7 @@ class Walk:
             if table in ("lights", "cameras", "nodes", "materials"):
                 self.session.edit(table, column, rows, [value] * len(rows), gesture=("drag", table))
         self.session.end_gesture()
+        return f"drag {table}"
 
     def _settle(self, dice: random.Random) -> None:
         """What a window does between frames, and a user with what it asks."""

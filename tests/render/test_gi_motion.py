@@ -11,6 +11,7 @@ import pytest
 from engine.app.headless import render_hdr
 from engine.assets.primitives import card, cube, uv_sphere
 from engine.assets.scene import LightAsset
+from engine.experiments.harness.mirror_answers import bars
 from engine.math import quat
 from engine.math.transform import look_at
 from engine.render.camera import Camera
@@ -179,6 +180,15 @@ def test_a_floor_mirrors_the_wall(stage, surface, half) -> None:
         assert (bare[y, 48] < 0.01).all()
         found.append(height < 1.0)
     assert len(set(found)) == 2
+
+
+def test_thin_bars_in_a_mirror_are_all_there(gl_device) -> None:
+    """Two pixels wide, by formula, at every pixel; a ray that may not go far enough misses them."""
+    found = bars(gl_device)
+    assert np.isfinite(found.truth).sum() > 5000
+    assert (found.truth > 0.0).sum() > 300
+    assert (found.missed, found.false) == (0.0, 0.0)
+    assert bars(gl_device, reflection_steps=8).missed > 0.5
 
 
 def test_mirrors_alike_in_all_paths(stage, surface) -> None:

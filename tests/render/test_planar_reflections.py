@@ -75,20 +75,30 @@ def test_the_eye_behind_a_mirror() -> None:
 
 
 @pytest.mark.gl
+@pytest.mark.parametrize("shift", [(0.0, 0.0), (0.4, -0.3)])
 @pytest.mark.parametrize("ortho", [False, True])
-def test_a_mirror_shows_the_mirrored_scene(stage: Stage, ortho: bool) -> None:
-    """Under an even sky a scene and its image, drawn twice, look as the scene on a mirror. Edges are half pixels."""
+def test_a_mirror_shows_the_mirrored_scene(stage: Stage, ortho: bool, shift: tuple[float, float]) -> None:
+    """Under an even sky a scene and its image, drawn twice, look as the scene on a mirror. `shift`: as TAA's frames are
+    shifted, by parts of a pixel."""
     camera = replace(CAMERA, ymag=1.2, zfar=20.0) if ortho else CAMERA
+
+    def take(**settings: Any) -> NDArray[np.float32]:
+        view = stage.view(SIZE, camera, **settings)
+        view.shift = shift
+        hdr = stage.runtime.render(view, hdr=True).hdr
+        assert hdr is not None
+        return np.asarray(hdr.read(), np.float32)[..., :3].copy()
+
     stage.look(**SKY)
     bodies(stage)
     bodies(stage, -1.0)
-    truth = stage.hdr(SIZE, camera)[..., :3]
+    truth = take()
     stage.look(**SKY)
     bodies(stage)
     floor(stage, size=100.0)
-    got = stage.hdr(SIZE, camera)[..., :3]
+    got = take()
     assert shown(stage) == 1
-    without = stage.hdr(SIZE, camera, planar_mirrors=0)[..., :3]
+    without = take(planar_mirrors=0)
     off = np.abs(got - truth).max(axis=-1)
     assert np.median(off) < 0.01
     assert (off > 0.02).mean() < 0.01
@@ -307,3 +317,22 @@ def test_a_smaller_picture_and_one_pixel(stage: Stage) -> None:
     assert 0.0 < (off > 0.05).mean() < 0.1, "edges in the mirror alone are coarser"
     for size in ((1, 1), (17, 31), (1, 40)):
         assert np.isfinite(stage.hdr(size, CAMERA, planar_scale=0.1)).all()
+
+
+@pytest.mark.gl
+def test_what_counts_is_how_large_a_mirror_is_in_the_picture(stage: Stage) -> None:
+    """A great ceiling overhead, seen by a sliver, comes after the floor that is looked at; one not seen is none."""
+    stage.look(**SKY)
+    floor(stage, size=2.0)
+    bodies(stage)
+    over = quat.from_axis_angle((1.0, 0.0, 0.0), np.pi)
+    material = surface(features=("planar_reflection",), **MIRROR)
+    ceiling = stage.add(plane(40.0), material, (0.0, 2.0, 0.0), 1.0, over)
+    level = Camera(look_at((0.0, 0.7, 2.0), (0.0, 0.4, 0.0)), 0.8, znear=0.02)
+    for most in (1, 2):
+        stage.hdr(SIZE, level, planar_mirrors=most)
+        assert shown(stage) == most
+        assert stage.runtime.renderer.rows.mirrors.shown[0].clip_row["plane"][1] == pytest.approx(1.0)
+    stage.hdr(SIZE, CAMERA, planar_mirrors=4)
+    assert shown(stage) == 1, "from above the ceiling is behind the picture's upper border"
+    assert stage.runtime.scene.nodes.alive[ceiling]

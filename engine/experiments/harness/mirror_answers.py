@@ -31,8 +31,8 @@ GLOW = 0.6
 
 @dataclass(frozen=True, slots=True)
 class Mirrored:
-    """Parts of the floor's pixels: `missed`, a bar that is not there; `false`, one that should not be. `picture` f8[h,w]:
-    brightness; `truth`: the same where it is known, else nan."""
+    """Parts of the floor's pixels: `missed`, a bar that is not there; `false`, one that should not be. `picture`
+    f8[h,w]: brightness; `truth`: the same where it is known, else nan."""
 
     missed: float
     false: float

@@ -8,14 +8,12 @@ import numpy as np
 
 from engine.framegraph.builder import Builder
 from engine.framegraph.passes import WHOLE_PICTURE, Pass, PassContext
-from engine.gpu.types import Bindings, Texture
 from engine.render.facts import SceneFacts
-from engine.render.frame import INPUT_UNIT, PASS_BINDING, VIEW_BINDING, RenderFrame
+from engine.render.frame import RenderFrame
 from engine.render.kept import KeptParts
 from engine.render.passes.local_shadows import LOCAL_MOMENTS, LOCAL_SHADOW, Square, stale_tiles
-from engine.render.passes.shadow_moments import BLOCK
-from engine.render.shadows.local import Tile
-from engine.render.shadows.moments import blur_weights, usable_exponent
+from engine.render.passes.shadow_moments import BLOCK, blur
+from engine.render.shadows.moments import usable_exponent
 
 #: blurred along x only, of one tile; the widest is half the map
 ROWS = "local_moment_rows"
@@ -54,23 +52,7 @@ class LocalMomentsPass(Pass):
         out, depths = ctx.texture(LOCAL_MOMENTS), ctx.texture(LOCAL_SHADOW)
         exponent = usable_exponent(float(frame.view.settings.shadow_exponent), quality.precision)
         for i, tile in stale_tiles(self._made.of(out), frame, (exponent, quality.filter, id(depths))):
-            self._blur(ctx, out, i, tile, exponent)
-
-    def _blur(self, ctx: PassContext, out: Texture, i: int, tile: Tile, exponent: float) -> None:
-        frame: RenderFrame = ctx.frame
-        weights = blur_weights(tile.blur)
-        row = np.zeros((), BLOCK.dtype)
-        row["exponent"], row["size"], row["taps"] = exponent, tile.width, len(weights) - 1
-        row["corner"], row["far"] = (tile.x, tile.y), tile.far
-        row["weights"].reshape(-1)[: len(weights)] = weights
-        block = frame.pass_block(f"{self.name} {i}", row)
-        rows = ctx.texture(ROWS)
-        for first, source, target in ((1, ctx.texture(LOCAL_SHADOW), rows), (0, rows, out)):
-            defines = {"FIRST": first, "LAMPS": 1, **frame.facts.light_defines()}
-            pipeline = frame.programs.compute("shadow_moments.comp", block=BLOCK, block_name="blur", defines=defines)
-            with ctx.device.compute_pass(f"local moments {i}") as compute_pass:
-                compute_pass.set_pipeline(pipeline)
-                textures = {INPUT_UNIT: (source, frame.point_sampler)}
-                uniforms = {VIEW_BINDING: frame.view_buffer, PASS_BINDING: block}
-                compute_pass.set_bindings(Bindings(uniforms, {}, textures, {1: (target, 0, "write")}))
-                compute_pass.dispatch(-(-tile.width // 16), -(-tile.width // 8))
+            row = np.zeros((), BLOCK.dtype)
+            row["exponent"], row["size"] = exponent, tile.width
+            row["corner"], row["far"] = (tile.x, tile.y), tile.far
+            blur(frame, f"{self.name} {i}", row, tile.blur, (depths, ctx.texture(ROWS), out), lamps=True)

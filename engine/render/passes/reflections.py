@@ -10,8 +10,8 @@ from engine.gpu.types import Buffer, Texture
 from engine.render.facts import SceneFacts
 from engine.render.frame import DEPTH_UNIT, INPUT_UNIT, REFLECTION_UNIT, RenderFrame
 from engine.render.gi.block import block_of
-from engine.render.passes.radiosity import size_of_layers
 from engine.render.gi.gather import LIGHTS, NEAR_FAR, SENT, SHAPES, SIDES, dispatch, levels_of, sent_inputs
+from engine.render.passes.radiosity import size_of_layers
 
 #: rgba16f, as large as the layers: radiance, how sure it is
 REFLECTIONS = "reflections"

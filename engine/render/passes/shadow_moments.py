@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from engine.framegraph.builder import Builder
 from engine.framegraph.passes import WHOLE_PICTURE, Pass, PassContext
@@ -82,19 +83,29 @@ class ShadowMomentsPass(Pass):
 
     def _blur(self, ctx: PassContext, out: Texture, layer: int, exponent: float) -> None:
         frame: RenderFrame = ctx.frame
-        quality = frame.facts.shadow_quality
-        weights = blur_weights(float(frame.view.settings.shadow_softness))
         row = np.zeros((), BLOCK.dtype)
-        row["exponent"], row["size"], row["layer"], row["taps"] = exponent, quality.size, layer, len(weights) - 1
-        row["weights"].reshape(-1)[: len(weights)] = weights
-        block = frame.pass_block(f"{self.name} {layer}", row)
-        rows = ctx.texture(ROWS)
-        for first, source, target in ((1, ctx.texture(SUN_SHADOW), rows), (0, rows, out)):
-            defines = {"FIRST": first, "LAMPS": 0, **frame.facts.light_defines()}
-            pipeline = frame.programs.compute("shadow_moments.comp", block=BLOCK, block_name="blur", defines=defines)
-            with ctx.device.compute_pass(f"shadow moments {layer}") as compute_pass:
-                compute_pass.set_pipeline(pipeline)
-                textures = {INPUT_UNIT: (source, frame.point_sampler)}
-                uniforms = {VIEW_BINDING: frame.view_buffer, PASS_BINDING: block}
-                compute_pass.set_bindings(Bindings(uniforms, {}, textures, {1: (target, 0, "write")}))
-                compute_pass.dispatch(-(-quality.size // 16), -(-quality.size // 8))
+        row["exponent"], row["size"], row["layer"] = exponent, frame.facts.shadow_quality.size, layer
+        targets = (ctx.texture(SUN_SHADOW), ctx.texture(ROWS), out)
+        blur(frame, f"{self.name} {layer}", row, float(frame.view.settings.shadow_softness), targets)
+
+
+def blur(
+    frame: RenderFrame, label: str, row: NDArray[np.void], radius: float, textures: tuple[Texture, Texture, Texture],
+    *, lamps: bool = False,
+) -> None:  # fmt: skip
+    """Moments of depth, blurred: (depth, what holds them blurred along x, where they go). `row`: of BLOCK, all but its
+    weights; `radius`: texels; `lamps`: of a tile of the map of local lights."""
+    weights, size = blur_weights(radius), int(row["size"])
+    row["taps"] = len(weights) - 1
+    row["weights"].reshape(-1)[: len(weights)] = weights
+    block = frame.pass_block(label, row)
+    depth, rows, out = textures
+    for first, source, target in ((1, depth, rows), (0, rows, out)):
+        defines = {"FIRST": first, "LAMPS": int(lamps), **frame.facts.light_defines()}
+        pipeline = frame.programs.compute("shadow_moments.comp", block=BLOCK, block_name="blur", defines=defines)
+        with frame.device.compute_pass(label) as compute_pass:
+            compute_pass.set_pipeline(pipeline)
+            uniforms = {VIEW_BINDING: frame.view_buffer, PASS_BINDING: block}
+            bound = {INPUT_UNIT: (source, frame.point_sampler)}
+            compute_pass.set_bindings(Bindings(uniforms, {}, bound, {1: (target, 0, "write")}))
+            compute_pass.dispatch(-(-size // 16), -(-size // 8))

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.math.frustum import planes_from_matrix, spheres_visible
+from engine.math.frustum import planes_from_matrix
 from engine.render.planar.camera import side_of
 from engine.render.planar.parts import FlatPart, flat_parts
 from engine.render.view import View
@@ -80,7 +80,7 @@ class MirrorPlanes:
         if not self._part or most < 1:
             return []
         camera = view.camera
-        planes, center, radius, area, off = self._in_world(scene)
+        planes, center, radius, area, off, points, frames = self._in_world(scene)
         side = side_of(camera, planes)
         behind = (side < 0.0) & self._both
         planes[behind], side[behind] = -planes[behind], -side[behind]
@@ -88,17 +88,22 @@ class MirrorPlanes:
         nearest = np.maximum(away - radius, camera.znear)
         if camera.ymag > 0.0:
             thick = side * 2.0 * radius * view.height / (2.0 * camera.ymag)
-            weight = area * side
+            angle = np.ones((len(side), 1))
         else:
             thick = side / nearest * view.height / (2.0 * math.tan(camera.yfov / 2.0))
-            weight = area * side / np.maximum(np.maximum(away, radius), 1e-30) ** 3
+            angle = np.linalg.norm(points - camera.position, axis=2).clip(camera.znear) ** -3.0
         frustum = planes_from_matrix(camera.clip_from_world(view.aspect))
-        seen = scene.instances.drawn[self._row] & (thick > LEAST_PIXELS) & spheres_visible(frustum, center, radius)
+        inside = ((points @ frustum[:, :3].T + frustum[:, 3]) >= 0.0).all(axis=2)
+        # how large it is in the picture; what is at its border alone counts a little
+        weight = area * side * (angle * (inside + 1e-6)).mean(axis=1)
+        touched = np.all(np.any(frames @ frustum[:, :3].T + frustum[:, 3] >= 0.0, axis=1), axis=1)
+        seen = scene.instances.drawn[self._row] & (thick > LEAST_PIXELS) & touched
         near = np.maximum(off + 1e-5 * radius, ROUNDING * (away + radius))
         return self._merged(planes, center, weight, near, seen & np.isfinite(weight), most)
 
-    def _in_world(self, scene: Scene) -> tuple[F8, F8, F8, F8, F8]:
-        """Planes f8[n,4], centres, radii, areas, metres off the plane; NaN where a node is flat."""
+    def _in_world(self, scene: Scene) -> tuple[F8, F8, F8, F8, F8, F8, F8]:
+        """Planes f8[n,4], centres, radii, areas, metres off the plane, points f8[n,POINTS,3] and frames f8[n,4,3]; NaN
+        where a node is flat."""
         world = scene.nodes.world[scene.instances.node[self._row]]
         linear, place = world[:, :, :3], world[:, :, 3]
         parts = self._part
@@ -112,9 +117,13 @@ class MirrorPlanes:
             planes[:, 3] = local[:, 3] - (planes[:, :3] * place).sum(axis=1)
             planes /= np.where(sound, np.linalg.norm(planes[:, :3], axis=1), np.nan)[:, None]
             center = np.einsum("nij,nj->ni", linear, np.array([part.center for part in parts])) + place
+            points, frames = (
+                np.einsum("nij,npj->npi", linear, np.array(local)) + place[:, None]
+                for local in ([part.points for part in parts], [part.frame for part in parts])
+            )
         radius = scale * np.array([part.radius for part in parts])
         area = scale**2 / 3.0 * np.array([part.area for part in parts])
-        return planes, center, radius, area, scale * np.array([part.off for part in parts])
+        return planes, center, radius, area, scale * np.array([part.off for part in parts]), points, frames
 
     def _merged(
         self, planes: F8, center: F8, weight: F8, near: F8, seen: NDArray[np.bool_], most: int

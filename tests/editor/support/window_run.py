@@ -65,6 +65,8 @@ class WindowRun:
                 steps(self)
             except BaseException:  # an exception must not unwind into the engine's coroutine
                 self.error = traceback.format_exc()
+            # a window at rest sleeps until something happens: nobody would tell it that the script is done
+            self.app.idling.pause = lambda *_, **__: 0.0  # type: ignore[method-assign]  # from here on it is ending
 
         try:
             testing.run(test_function=guarded, runner_params=self.app.params, add_ons_params=immapp.AddOnsParams())
