@@ -16,6 +16,7 @@ from editor import (
     layout,
     layout_slots,
     menus,
+    prefab_updates,
     recovering,
     strings,
     theme,
@@ -84,6 +85,7 @@ class App:
         self.idling = Idling()
         self.interrupts = Interrupts()
         self._files = FileWatch()
+        self._longest = NEVER
         self._sight: Callable[[], window_state.Sight] = lambda: "front"
         #: what to do once the window is there: opening a file takes the processor that the first frame wants
         self.on_shown: Callable[[], None] | None = None
@@ -197,7 +199,9 @@ class App:
         else:
             self._drop = file_drop.install(_glfw_window(), self.dropped)
             self._sight = window_state.sight(_glfw_window())
-            waking.connect(waking.waker())
+            post = waking.waker()
+            waking.connect(post)
+            self._longest = NEVER if post is not None else 1.0  # nobody could wake it: it looks once a second
             session.shaders.wake = session.asset_pictures.wake = session.sources.wake = waking.wake
         if session.device is None:
             session.device = session.host.open_device(attach=not self.null_platform)
@@ -265,6 +269,7 @@ class App:
                 pause = self.idling.pause(session, now, moving=False, caret=caret)
         idle = self.params.fps_idling
         idle.fps_max = float(session.preferences.fps_limit if self.fps is None else self.fps)
+        pause = min(pause, self._longest)
         if pause <= 0.0:
             hello_imgui.request_refresh()
         else:
@@ -275,7 +280,7 @@ class App:
         session = self.ui.session
         yield from (text.path for text in session.code.documents)
         if session.document is not None:
-            yield from session.document.prefabs
+            yield from prefab_updates.files_of(session.document)
         yield from self.plugins.files()
         for panel, window in zip(self.panels, self.params.docking_params.dockable_windows, strict=True):
             if window.is_visible:

@@ -46,7 +46,7 @@ def add_habit_operations(ops: Operations) -> None:
     ops.add(
         Operation(
             "view.fps-limit", "Limit pictures a second", _limit, "Window",
-            arguments=(Argument("fps", "int", 0, min=0, max=1000, doc="0: as many as the display shows"),),
+            arguments=(Argument("fps", "int", min=0, max=1000, doc="0: as many as the display shows"),),
             doc="Saves power while something plays",
         )
     )  # fmt: skip

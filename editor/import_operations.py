@@ -57,7 +57,8 @@ def _toggle_watch(session: Session) -> None:
 
 
 def _toggle_card(session: Session) -> None:
-    session.ui.import_card = session.ui.import_card_opened = not session.ui.import_card
+    requests = session.ui
+    requests.import_card = requests.import_card_opened = not requests.import_card or requests.import_card_folded
 
 
 def _fixer(fix: Fix) -> Callable[[Session], None]:

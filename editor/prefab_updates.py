@@ -7,7 +7,7 @@ import functools
 import shutil
 import tempfile
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -182,6 +182,15 @@ def poll(session: Session) -> None:
         _reopen(
             session, document, saving.current_scene(document), f"Prefab {names} changed", of_view=not document.dirty
         )
+
+
+def files_of(document: Document) -> Iterator[Path]:
+    """What `poll` looks at: the prefabs, and what they play."""
+    from editor.reimporting import stamp_of
+
+    for path in document.prefabs:
+        yield path
+        yield from _clips_of(path, stamp_of(path))
 
 
 @functools.lru_cache(maxsize=64)

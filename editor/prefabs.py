@@ -3,6 +3,8 @@ entry; reverting, applying and following changes is prefab_updates.py. No imgui.
 
 from __future__ import annotations
 
+import filecmp
+import os
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -199,11 +201,11 @@ def make(session: Session, target: Path | None = None) -> bool:
     return True
 
 
-def _free(path: Path) -> Path:
-    stem, number = path.name.removesuffix(SUFFIX), 1
+def _free(path: Path, ending: str = SUFFIX) -> Path:
+    stem, number = path.name.removesuffix(ending), 1
     while path.exists():
         number += 1
-        path = path.with_name(f"{stem} {number}{SUFFIX}")
+        path = path.with_name(f"{stem} {number}{ending}")
     return path
 
 
@@ -247,10 +249,29 @@ def _write(document: Document, root: int, target: Path) -> None:
     folder = document.scene_path.resolve().parent
     part = SceneAsset(target.name.removesuffix(SUFFIX), _cut(asset, index, inside))
     target.parent.mkdir(parents=True, exist_ok=True)
+    place = folder
     if folder.is_relative_to(user_cache_dir().resolve()):
-        saving.copy_references(part, folder, target.parent)
-    part.nodes = [map_files(n, lambda text: saving.moved_reference(text, folder, target.parent)) for n in part.nodes]
+        place = _place_of_copies(part, folder, target)
+        saving.copy_references(part, folder, place)
+
+    def seen(text: str) -> str:
+        if not text or Path(text).is_absolute():
+            return text
+        found = place / text if (place / text).is_file() else folder / text
+        return saving.relative(Path(os.path.normpath(found)), target.parent)
+
+    part.nodes = [map_files(n, seen) for n in part.nodes]
     write_scene(target, part)
+
+
+def _place_of_copies(part: SceneAsset, folder: Path, target: Path) -> Path:
+    """Where what `part` needs of `folder` is copied to: beside the prefab; where other files of those names are there,
+    which other prefabs may need, into a folder of its own."""
+    for name in saving.references(part, folder):
+        here, there = folder / name, target.parent / name
+        if here.is_file() and there.is_file() and not filecmp.cmp(here, there, shallow=False):
+            return _free(target.with_name(f"{target.name.removesuffix(SUFFIX)} files"), "")
+    return target.parent
 
 
 def _cut(asset: SceneAsset, root: int, inside: Sequence[int]) -> list[NodeAsset]:

@@ -55,6 +55,8 @@ class UiRequests:
     import_card: bool = False
     #: the user asked for it: it stays as it is until he folds it
     import_card_opened: bool = False
+    #: whether it shows one line at present
+    import_card_folded: bool = False
     #: a file of the project to rename or move
     rename_asset: Path | None = None
     #: rows under the pointer to choose from

@@ -151,7 +151,7 @@ def relative(path: Path, folder: Path) -> str:
 
 def copy_references(asset: SceneAsset, source_dir: Path, target_dir: Path) -> list[Path]:
     """Copy every file inside `source_dir` that the scene and its materials name to `target_dir`; those copied."""
-    wanted = sorted(set(_references(asset, source_dir)))
+    wanted = sorted(set(references(asset, source_dir)))
     return [target_dir / r for r in wanted if _copy(source_dir / r, target_dir / r)]
 
 
@@ -367,7 +367,7 @@ def _beside(path: str, folder: Path) -> str:
         return Path(path).as_posix()
 
 
-def _references(asset: SceneAsset, folder: Path) -> Iterable[str]:
+def references(asset: SceneAsset, folder: Path) -> Iterable[str]:
     """Every file inside `folder` that the scene names, and those its materials name."""
     from engine.assets.material_toml import read_material
 

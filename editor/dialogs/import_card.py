@@ -54,9 +54,10 @@ class ImportCard:
             self.folding.choose(whole=True)
         deed = document.selection, document.history.revision, session.camera
         self.folding.follow(document.news or document, deed, busy=session.importing is not None)
-        if not place.fits and self.folding.whole is not True:
-            return
         whole = place.whole if self.folding.whole is None else self.folding.whole
+        session.ui.import_card_folded = not whole
+        if not whole and not place.fits:
+            return
         name = f"{icons.MESH}  {fitted(document.imported_from.name, em(place.width - 6.8))}"
         with bold(ui):
             line = imgui.calc_text_size(name).x / em(1)

@@ -27,7 +27,7 @@ from engine.report.records import Extreme
 
 F8 = NDArray[np.float64]
 
-SCENES = (MADE + "metals",)
+SCENES = (MADE + "metals", MADE + "blocks")
 RADII = (0.01, 0.03, 0.1, 0.3)
 #: of the light, scattered
 PART = 0.5
@@ -39,7 +39,11 @@ def size(ctx: Context) -> tuple[int, int]:
 
 def knobs(ctx: Context) -> list[dict[str, Any]]:
     radii = RADII[1:3] if ctx.quick else RADII
-    return grid(scene=own_or(ctx, SCENES), form=("bloom", "calm", "off"), radius=radii)
+    named = own_or(ctx, SCENES[:1] if ctx.quick else SCENES)
+    found = grid(scene=named, form=("bloom", "calm", "off"), radius=radii)
+    # one radius shows what the scenes after the first are about
+    few = [k for k in found if k["scene"] == named[0] or k["radius"] == RADII[2]]
+    return [{**k, "case": f"{short(str(k['scene']))} {k['radius']:g}"} for k in few]
 
 
 def view(ctx: Context, scene: OpenScene, **settings: Any) -> View:
@@ -102,7 +106,7 @@ EXPERIMENT = Experiment(
     knobs=knobs,
     default={"form": "bloom", "radius": 0.1},
     curve="form",
-    problem="radius",
+    problem="case",
     run=run,
     needs=frozenset({"gpu"}),
     own_scene=True,

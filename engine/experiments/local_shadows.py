@@ -27,6 +27,7 @@ from engine.experiments.harness.pixel_truth import (
 )
 from engine.experiments.harness.pixel_truth import picture_size as size
 from engine.experiments.harness.scenes import LIVE, MADE, open_scene, own_or, short
+from engine.experiments.sun_shadows import by_kind
 from engine.render.settings import RenderSettings
 from engine.render.shadows.quality import FILTERS
 from engine.render.view import View
@@ -51,7 +52,7 @@ def knobs(ctx: Context) -> list[dict[str, Any]]:
             if not ctx.quick:
                 rows += [{**base, "filter": f, "size": s} for f in FILTERS if f != "none" for s in (SIZES[2], SIZE)]
             found += rows
-    return found
+    return by_kind(found)
 
 
 def alone(scene: OpenScene, name: str, kind: str) -> None:
@@ -146,7 +147,7 @@ EXPERIMENT = Experiment(
     unit="of lit pixels",
     knobs=knobs,
     default={"filter": "auto", "size": SIZE},
-    curve="filter",
+    curve="kind",
     problem="light",
     run=run,
     prepare=prepare,

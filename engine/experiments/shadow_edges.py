@@ -22,7 +22,7 @@ from engine.experiments.harness.pixel_truth import brightness, greys, redrawn
 from engine.experiments.harness.samples import environment, floor, surface
 from engine.experiments.harness.scenes import MADE, MadeScene
 from engine.experiments.shadow_filter import cut_area
-from engine.experiments.sun_shadows import FILTERS, another_sun
+from engine.experiments.sun_shadows import FILTERS, another_sun, by_kind
 from engine.math.transform import look_at
 from engine.render.camera import Camera
 from engine.render.settings import RenderSettings
@@ -56,7 +56,7 @@ def knobs(ctx: Context) -> list[dict[str, Any]]:
     found += [{"scene": CASTERS, "filter": f, "softness": 3.0, **plain, "leak": 0.0} for f in kinds]
     half = {**plain, "precision": "half"}
     found += [{"scene": s, "filter": f, "softness": 3.0, **half} for s in (PENUMBRA, CASTERS) for f in ("evsm4", "msm")]
-    return found
+    return by_kind(found)
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,7 +155,7 @@ EXPERIMENT = Experiment(
     knobs=knobs,
     default={},
     advisory=True,
-    curve="filter",
+    curve="kind",
     problem="scene",
     run=run,
     needs=frozenset({"gpu"}),

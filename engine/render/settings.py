@@ -176,7 +176,7 @@ class RenderSettings(ParamBlock):
     ao_radius: float = param(0.0, min=0.0, max=1e6, step=0.01, unit="m", doc="how far things hide; 0 = by the scene")
     ao_strength: float = param(1.0, min=0.0, max=1.0, step=0.01, doc="0 none, 1 as much as is hidden")
     ao_thickness: float = param(
-        0.3, min=0.0, max=4.0, step=0.01, doc="how thick things are taken to be behind what is seen, in radii"
+        0.4, min=0.0, max=4.0, step=0.01, doc="how thick things are taken to be behind what is seen, in radii"
     )
     ao_directions: int = param(1, min=1, max=16, doc="slices through each pixel (gtao, hbao)")
     ao_steps: int = param(8, min=1, max=64, doc="places on each side of a slice; alchemy: places in all")

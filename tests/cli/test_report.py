@@ -117,7 +117,7 @@ def test_a_scene_without_names_chooses_what_measures_scenes(tmp_path: Path, monk
     assert main(["report", "--scene", str(tmp_path / "x.glb"), "--out", str(tmp_path / "r")]) == 0
     assert main(["report", "quaternion", "--scene", str(tmp_path / "x.glb"), "--out", str(tmp_path / "r")]) == 0
     assert chosen[0] == [
-        "ambient_light", "antialias", "ao", "bloom", "dof", "gi", "local_shadows", "picture", "picture_lights",
-        "presets", "pruning", "reflections", "sun_shadows",
+        "ambient_light", "antialias", "ao", "bloom", "dof", "exposure", "gi", "local_shadows", "picture",
+        "picture_lights", "presets", "pruning", "reflections", "sun_shadows",
     ]  # fmt: skip
     assert chosen[1:] == [["quaternion"]]

@@ -46,9 +46,8 @@ def test_what_plays_is_drawn_and_rests_with_its_window(seen: dict[str, Any]) -> 
     assert played == 0.0, "minimised: the clock stands"
     assert frames <= 4
     assert seen["behind_goes_on"]
-    assert seen["stopped"] <= 8 < 15 <= seen["behind"] + 8, (
-        "frames in 1.5 s: about 15 of a slow one, none of one at rest"
-    )
+    assert seen["behind"] <= 25, "ten a second and those that a word of the test brings, in 1.5 s"
+    assert seen["stopped"] <= 8
     assert seen["plays_again"]
 
 

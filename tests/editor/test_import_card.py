@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
-import pytest
+from pathlib import Path
 
+import pytest
+from real_session import opened, real_session
+from small_source import write_small_source
+
+from editor.builtin_operations import builtin_operations
 from editor.dialogs.import_card_place import EDGE, LINE, NARROW, SHARE, WIDTH, YOUNG, Folding, placed
 
 
@@ -53,3 +58,22 @@ def test_its_own_fixes_leave_it_open() -> None:
     assert drawn(folding, first, "at first", 3, busy=True) is None
     assert drawn(folding, second, "imported again", 20) is None
     assert drawn(folding, first, "taken back") is False, "an undo is a deed, and what was seen is not shown anew"
+
+
+def test_the_menu_opens_what_is_folded_and_puts_away_what_is_open(tmp_path: Path) -> None:
+    session = real_session()
+    opened(session, write_small_source(tmp_path / "crate.gltf"))
+    operations, requests = builtin_operations(), session.ui
+    assert requests.import_card
+    requests.import_card_folded = True
+    operations.run("file.import-card", session)
+    assert requests.import_card
+    assert requests.import_card_opened
+    requests.import_card_folded = False
+    operations.run("file.import-card", session)
+    assert not requests.import_card
+    operations.run("file.import-card", session)
+    assert requests.import_card
+    assert requests.import_card_opened
+    session.sources.stop()
+    session.close_all()

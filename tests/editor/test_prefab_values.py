@@ -18,6 +18,7 @@ from editor import journal, prefab_values, prefabs, recovering, saving
 from editor.animating import following
 from editor.builtin_operations import builtin_operations
 from editor.commands import structure
+from editor.comparing.moment import before_last_edit
 from editor.prefab_values import OwnValues, changes, own_values
 from editor.session import Session
 from engine.assets.lanim import read_lanim, write_lanim
@@ -231,6 +232,7 @@ def test_a_clip_of_a_prefab_that_is_written_again_is_taken_up(session: Session, 
     figure = write_animated_scene(project / "figure")
     document = opened(session, project / "scenes/boxes.scene.json")
     assert builtin_operations().run("prefab.place", session, path=figure, at=(1.0, 0.0, 0.0))
+    assert session.save()
     session.prefabs_at = 0.0
     session.poll()
     assert document.runtime.duration == 1.0
@@ -244,6 +246,10 @@ def test_a_clip_of_a_prefab_that_is_written_again_is_taken_up(session: Session, 
     session.poll()
     assert "changed" in session.ui.notice
     assert document.runtime.duration == 3.0
+    assert not document.dirty
+    before = before_last_edit(session)
+    assert before is not None
+    assert before.label == "Before: Prefab figure.scene.json changed", "it can be compared with"
     session.undo()
     assert document.runtime.duration == 1.0
 

@@ -17,6 +17,7 @@ from editor.builtin_operations import builtin_operations
 from editor.commands import structure
 from editor.session import Session
 from engine.app.runtime import Runtime
+from engine.assets.material_toml import read_material
 from engine.assets.prefab import FIELDS, file_of, has_instances, load_prefab, refresh
 from engine.assets.scene import MeshRef, NodeAsset, SceneAsset
 from engine.assets.scene_json import format_scene, read_scene, write_scene
@@ -216,6 +217,22 @@ def test_sources_are_converted_into_the_project_and_placed(session: Session, pro
     mesh = next(n.mesh for n in saved.nodes if n.name == "crate" and n.mesh is not None)
     assert isinstance(mesh, MeshRef)
     assert mesh.file == "../prefabs/crate/crate.lmesh"
+
+
+def test_another_prefab_of_a_source_leaves_the_files_of_the_first_as_they_are(session: Session, project: Path) -> None:
+    source = write_small_source(project / "assets/crate.gltf")
+    document = opened(session, source)
+    document.select(row(document, "crate"))
+    first, second = project / "prefabs/first.scene.json", project / "prefabs/second.scene.json"
+    assert prefabs.make(session, first), session.ui.error_bar
+    wood = project / "prefabs/crate.wood.material.toml"
+    wood.write_text(wood.read_text().replace("0.6", "0.2"))
+    assert prefabs.make(session, second), session.ui.error_bar
+    assert "0.2" in wood.read_text(), "what was said of the first one's material"
+    for path, roughness in ((first, 0.2), (second, 0.6)):
+        mesh = next(n.mesh for n in read_scene(path).nodes if n.mesh is not None)
+        assert (path.parent / mesh.file).is_file()
+        assert read_material(path.parent / mesh.materials[0]).params["roughness"] == roughness
 
 
 def test_placed_instances_survive_a_crash(session: Session, project: Path, tmp_path: Path) -> None:

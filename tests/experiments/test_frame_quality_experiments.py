@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import pytest
 
-from engine.experiments import antialias, bloom, dof, presets
+from engine.experiments import antialias, bloom, dof, exposure, presets
 from engine.experiments.harness import registry, sweep
 from engine.experiments.harness.context import Context
 from engine.report.records import Result
@@ -18,7 +18,7 @@ pytestmark = pytest.mark.gl
 def _few(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sweep, "REPEATS", (5, 5))
     monkeypatch.setattr(sweep, "BUDGET_S", (0.2, 0.2))
-    for module, name in ((bloom, "size"), (antialias, "size"), (presets, "picture_size")):
+    for module, name in ((bloom, "size"), (antialias, "size"), (presets, "picture_size"), (exposure, "picture_size")):
         monkeypatch.setattr(module, name, lambda ctx: (96, 64))
     monkeypatch.setattr(dof, "lens_places", lambda ctx: 32)
 
@@ -38,6 +38,17 @@ def test_bloom_is_the_halos_and_keeps_the_light(quick: Callable[[], Context]) ->
     assert errors["bloom"]["misplaced"] < 0.1
     assert abs(errors["bloom"]["lost"]) < 1e-3 < errors["calm"]["lost"]
     assert errors["off"]["misplaced"] == 1.0
+
+
+@pytest.mark.usefixtures("gl_device")
+def test_what_is_metered_is_the_mean(quick: Callable[[], Context]) -> None:
+    pytest.importorskip("flip_evaluator")
+    points = run("exposure", quick()).points
+    assert len(points) == 4
+    for point in points:
+        metered = point.knobs["form"] == "metered"
+        assert (point.error["stops"] < 1.0 / 16.0) == metered, point.knobs
+        assert (point.error["flip"] < 0.1) == metered, "and shown so"
 
 
 @pytest.mark.usefixtures("gl_device")

@@ -44,8 +44,9 @@ def _walk(order: dict[str, Any], folder: Path, trace: IO[str], answer: dict[str,
     walk = Walk(session, trace, homes)
     answer["restored"] = _restore(session, walk, folder)
     walk.keep_up()
-    walk.open(next(home for home in homes if all(w.home != home for w in walk.watched)))
-    walk.keep_up()
+    for home in [home for home in homes if all(w.home != home for w in walk.watched)][:1]:
+        walk.open(home)
+        walk.keep_up()
     dice = random.Random(order["seed"])
     kill_at, kill_how = order["kill_at"], order["kill_how"]
     events = 0

@@ -212,7 +212,7 @@ class Walk:
 
     def _path(self, id: str, dice: random.Random) -> Path:
         """A file of the document in front; what is to be opened lies in a folder of its own."""
-        if id == "file.open" and dice.random() < 0.8:
+        if id == "file.open-path" and dice.random() < 0.8:
             return stage.scene_of(dice.choice(self.homes))
         home = self.front.home
         if id == "file.move" and dice.random() < 0.8:
@@ -243,8 +243,8 @@ class Walk:
     def _tab(self, dice: random.Random) -> str:
         """Open, show, move or close a document; no more than three stay open."""
         session = self.session
-        what = dice.choice(("file.open", "show", "show", "move", "close"))
-        if what == "file.open":
+        what = dice.choice(("file.open-path", "show", "show", "move", "close"))
+        if what == "file.open-path":
             return self._run(what, dice)
         index = dice.randrange(len(session.tabs))
         if what == "move":
@@ -275,8 +275,8 @@ class Walk:
         document = session.document
         assert document is not None
         if document.imported_from is None or not document.imported_from.name.endswith(".gltf"):
-            self.operations.run("file.open", session, path=stage.scene_of(self.homes[2]))
-            return "file.open"
+            self.operations.run("file.open-path", session, path=stage.scene_of(self.homes[2]))
+            return "file.open-path"
         if dice.random() < 0.5:
             text = document.imported_from.read_text()
             said = json.loads(text)

@@ -154,6 +154,25 @@ def test_glass_before_a_mirror_is_in_it(stage: Stage) -> None:
 
 
 @pytest.mark.gl
+def test_water_that_is_blended_mirrors_too(stage: Stage) -> None:
+    """Half of what a solid mirror shows, and half of the even sky behind it."""
+    pictures = []
+    for queue in ("opaque", "transparent"):
+        stage.look(**SKY)
+        bodies(stage)
+        water = surface(queue, ("planar_reflection",), **{**MIRROR, "base_color": (1.0, 1.0, 1.0, 0.5)})
+        stage.add(plane(100.0), water)
+        pictures.append(stage.hdr(SIZE, CAMERA)[..., :3])
+        assert shown(stage) == 1
+    stage.look(**SKY)
+    bodies(stage)
+    without = stage.hdr(SIZE, CAMERA)[..., :3]
+    mirrored = np.abs(pictures[0] - without).max(axis=-1) > 0.05
+    assert mirrored.sum() > 100
+    np.testing.assert_allclose(pictures[1][mirrored], (pictures[0] / 2 + without / 2)[mirrored], atol=2e-3)
+
+
+@pytest.mark.gl
 def test_a_transmissive_body_before_a_mirror_shows_what_is_behind_it_there(stage: Stage) -> None:
     stage.look(**SKY)
     floor(stage)
@@ -315,6 +334,8 @@ def test_a_smaller_picture_and_one_pixel(stage: Stage) -> None:
     whole, half = stage.hdr(SIZE, CAMERA)[..., :3], stage.hdr(SIZE, CAMERA, planar_scale=0.5)[..., :3]
     off = np.abs(whole - half).max(axis=-1)
     assert 0.0 < (off > 0.05).mean() < 0.1, "edges in the mirror alone are coarser"
+    several = stage.hdr(SIZE, CAMERA, samples=4)[..., :3]
+    assert np.median(np.abs(several - whole)) < 1e-3
     for size in ((1, 1), (17, 31), (1, 40)):
         assert np.isfinite(stage.hdr(size, CAMERA, planar_scale=0.1)).all()
 

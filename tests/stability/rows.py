@@ -194,7 +194,9 @@ ROWS = (
     Row(
         "light.occlusion", "Alchemy, horizon-based: border, any field of view, radius below a pixel, above the screen",
         (_AO + "test_a_plane_hides_nothing_of_itself", _AO + "test_no_radius_is_too_small_or_too_large",
-         _AO + "test_beside_a_wall"),
+         _AO + "test_beside_a_wall", _AO + "test_sixteen_places_are_enough_beside_a_wall",
+         _AO + "test_a_ball_hides_the_ground_that_it_stands_on",
+         _AO + "test_what_stands_before_a_wall_hides_no_more_than_itself"),
     ),
     Row(
         "light.layers", "an empty second layer",

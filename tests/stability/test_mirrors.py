@@ -99,3 +99,19 @@ def test_an_orthographic_camera_along_the_mirror(stage: Stage) -> None:
             assert within_a_pixel(bodies(picture), images)
         else:
             assert not stage.runtime.renderer.rows.mirrors.shown or turn > 1e-3
+
+
+@covers("light.reflection", "pose.singular-scale")
+@pytest.mark.parametrize("scale", [0.0, 1e-300, 1e-12, 1e30, 1e200])
+def test_a_mirror_that_is_nowhere(stage: Stage, scale: float) -> None:
+    """Flat, gone to nothing, endless: it mirrors nothing, and the rest of the picture stays."""
+    scene(stage, mirror=False, sides=(1.0,))
+    whole = stage.hdr(SIZE, camera(1.0))
+    odd = stage.add(plane(1.0), surface(features=("planar_reflection",), metallic=1.0, roughness=0.0), (0.0, -0.5, 0.0))
+    with np.errstate(all="ignore"):
+        stage.runtime.scene.nodes.set_scale([odd], [(1.0, 1.0, scale)])
+        stage.runtime.update()
+        picture = stage.hdr(SIZE, camera(1.0))
+    assert np.isfinite(picture).all()
+    assert (bodies(picture) != bodies(whole)).mean() < 0.4
+    assert len(stage.runtime.renderer.rows.mirrors.shown) <= 1

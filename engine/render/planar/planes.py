@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.assets.mesh import MeshAsset
 from engine.math.frustum import planes_from_matrix
 from engine.render.planar.camera import side_of
 from engine.render.planar.parts import FlatPart, flat_parts
@@ -41,7 +42,7 @@ class MirrorPlanes:
 
     def __init__(self, residency: Residency) -> None:
         self._residency = residency
-        self._parts: dict[tuple[int, int], list[FlatPart]] = {}
+        self._parts: dict[tuple[int, int], tuple[MeshAsset, list[FlatPart]]] = {}
         self._built: tuple[object, ...] = ()
         self._row = np.zeros(0, np.intp)
         self._part: list[FlatPart] = []
@@ -66,17 +67,24 @@ class MirrorPlanes:
             rows = rows[(scene.skins.of_nodes(node) < 0) & (scene.morphs.of_nodes(node) < 0)]
         found = []
         for row in rows.tolist():
-            mesh, submesh = int(table.mesh[row]), int(table.submesh[row])
-            if (mesh, submesh) not in self._parts:
-                self._parts[mesh, submesh] = flat_parts(residency.meshes[mesh].asset, submesh)
             both = "double_sided" in records[int(table.material[row])].asset.features
-            found += [(row, part, both) for part in self._parts[mesh, submesh]]
+            found += [(row, part, both) for part in self._parts_of(int(table.mesh[row]), int(table.submesh[row]))]
         self._row = np.array([row for row, _, _ in found], np.intp)
         self._part = [part for _, part, _ in found]
         self._both = np.array([both for _, _, both in found], np.bool_)
 
+    def _parts_of(self, mesh: int, submesh: int) -> list[FlatPart]:
+        """Found once for each mesh; again where a file was read again."""
+        asset = self._residency.meshes[mesh].asset
+        known = self._parts.get((mesh, submesh))
+        if known is None or known[0] is not asset:
+            known = self._parts[mesh, submesh] = (asset, flat_parts(asset, submesh))
+        return known[1]
+
+    @np.errstate(all="ignore")
     def of_view(self, scene: Scene, view: View, most: int) -> list[MirrorPlane]:
-        """The planes of what may be seen in this view, the largest in the picture first; `most` of them."""
+        """The planes of what may be seen in this view, the largest in the picture first; `most` of them. What a node
+        has flattened, or put where no number is, is none."""
         if not self._part or most < 1:
             return []
         camera = view.camera
@@ -108,19 +116,18 @@ class MirrorPlanes:
         linear, place = world[:, :, :3], world[:, :, 3]
         parts = self._part
         scale = np.linalg.norm(linear, axis=(1, 2))
-        with np.errstate(all="ignore"):
-            sound = np.abs(np.linalg.det(linear)) > 1e-12 * scale**3
-            back = np.linalg.inv(np.where(sound[:, None, None], linear, np.eye(3)))
-            local = np.array([part.plane for part in parts])
-            planes = np.empty((len(parts), 4))
-            planes[:, :3] = np.einsum("nji,nj->ni", back, local[:, :3])
-            planes[:, 3] = local[:, 3] - (planes[:, :3] * place).sum(axis=1)
-            planes /= np.where(sound, np.linalg.norm(planes[:, :3], axis=1), np.nan)[:, None]
-            center = np.einsum("nij,nj->ni", linear, np.array([part.center for part in parts])) + place
-            points, frames = (
-                np.einsum("nij,npj->npi", linear, np.array(local)) + place[:, None]
-                for local in ([part.points for part in parts], [part.frame for part in parts])
-            )
+        sound = np.abs(np.linalg.det(linear)) > 1e-12 * scale**3
+        back = np.linalg.inv(np.where(sound[:, None, None], linear, np.eye(3)))
+        local = np.array([part.plane for part in parts])
+        planes = np.empty((len(parts), 4))
+        planes[:, :3] = np.einsum("nji,nj->ni", back, local[:, :3])
+        planes[:, 3] = local[:, 3] - (planes[:, :3] * place).sum(axis=1)
+        planes /= np.where(sound, np.linalg.norm(planes[:, :3], axis=1), np.nan)[:, None]
+        center = np.einsum("nij,nj->ni", linear, np.array([part.center for part in parts])) + place
+        points, frames = (
+            np.einsum("nij,npj->npi", linear, np.array(local)) + place[:, None]
+            for local in ([part.points for part in parts], [part.frame for part in parts])
+        )
         radius = scale * np.array([part.radius for part in parts])
         area = scale**2 / 3.0 * np.array([part.area for part in parts])
         return planes, center, radius, area, scale * np.array([part.off for part in parts]), points, frames

@@ -133,8 +133,6 @@ def card(run: WindowRun, seen: dict[str, Any]) -> None:
     seen["line"] = window("###import-card").size.y
     run.shot("folded")
     run.do(lambda: run.app.ui.operations.run("file.import-card", session))
-    run.ctx.yield_(3)
-    run.do(lambda: run.app.ui.operations.run("file.import-card", session))
     run.ctx.yield_(6)
     document.select(-1)
     run.ctx.yield_(6)
