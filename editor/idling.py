@@ -27,9 +27,10 @@ CARET = 0.4
 AWAKE = 0.7
 #: seconds by which a timer may run off too soon
 EARLY = 0.004
-#: frames at once after a thread's word, for what takes a frame to be laid out; then looks again after so many seconds,
-#: for what is looked at at most that often
-SETTLE_FRAMES, LOOK_AGAIN = 3, (0.6, 2.2)
+#: frames at once after a thread's word, for what takes a frame to be laid out
+SETTLE_FRAMES = 3
+#: seconds after which it looks once more, for what is looked at now and then only
+LOOK_AGAIN: tuple[float, ...] = (0.6, 2.2)
 
 
 class Idling:

@@ -273,10 +273,11 @@ class ReportPanel(Panel):
             tooltip(omission.why)
 
     def _advice_row(self, ui: Ui, result: Result, index: int, kind: str, knobs: Any, advice: Advice) -> None:
-        word, color = KINDS[kind]
+        word, tint = KINDS[kind]
+        color = theme.named(tint)
         imgui.table_next_row()
         imgui.table_next_column()
-        text(fitted(report.changed(knobs, result.default), imgui.get_content_region_avail().x), theme.named(color))
+        text(fitted(report.changed(knobs, result.default), imgui.get_content_region_avail().x), color)
         tooltip(f"{report.changed(knobs, {})}\n{advice.text}")
         with mono(ui):
             imgui.table_next_column()

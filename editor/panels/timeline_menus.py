@@ -225,7 +225,7 @@ def draw_clips(ui: Ui, editor: AnimationEditor) -> None:
                 elif imgui.get_io().key_ctrl and clip.name not in active:
                     runtime.play(*active, clip.name)
                 else:
-                    runtime.play_of_cast(i)
+                    runtime.instance_clips.play(i)
         imgui.end_combo()
     tooltip("Adds to the selected track, after its last block" if tracks else "Ctrl: play it over those that play")
 

@@ -28,6 +28,7 @@ from engine.math import quat
 from engine.render.camera import Camera
 from engine.render.presets import NAMES, PRESETS, Chosen, with_preset, within_budget
 from engine.render.view import View
+from engine.report.page.text import milliseconds as shown
 
 #: frames before those that count: programs and histories are made
 WARM = 2
@@ -71,7 +72,7 @@ def table(costs: Mapping[str, Cost], chosen: str, budget: float) -> tuple[str, .
     lines = [f"{'preset':<8} {'least ms':>9} {'median ms':>10} {'frames':>7}   within {budget:g} ms"]
     for name, cost in costs.items():
         verdict = ("yes" if cost.least <= budget else "no") + (", chosen" if name == chosen else "")
-        lines.append(f"{name:<8} {cost.least:9.3g} {cost.median:10.3g} {cost.frames:7d}   {verdict}")
+        lines.append(f"{name:<8} {shown(cost.least):>9} {shown(cost.median):>10} {cost.frames:7d}   {verdict}")
     return tuple(lines)
 
 

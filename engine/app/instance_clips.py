@@ -151,6 +151,17 @@ class InstanceClips:
             p: p in playing for p, cast in self._casts.items() if cast.animation is not None and cast.rested is None
         }
 
+    def play(self, clip: int | str) -> None:
+        """Play this clip, of a prefab or of the scene itself, instead of the others of the same; all else goes on."""
+        runtime = self._runtime
+        number = runtime.deck.find(clip)
+        whose = self.prefab_of(number)
+        runtime.follow_structure()
+        others = [n for n in runtime.deck.active if self.prefab_of(n) != whose]
+        self.hush(whose or Path())
+        runtime.deck.play(number, *others, mode=runtime.deck.mode, speed=runtime.deck.speed)
+        runtime.pose_again()
+
     def play_animation(self, path: Path) -> None:
         """Let a prefab's own animation play again, instead of its clips."""
         deck, cast = self._runtime.deck, self._casts[path]

@@ -295,16 +295,6 @@ class Runtime:
         self.deck.play(*clips, mode=mode, speed=speed)
         self._posed_at = math.nan
 
-    def play_of_cast(self, clip: int | str) -> None:
-        """Play this clip instead of those of the same prefab, or of the scene's own; the others go on."""
-        number = self.deck.find(clip)
-        whose = self.instance_clips.prefab_of(number)
-        others = [n for n in self.deck.active if self.instance_clips.prefab_of(n) != whose]
-        self.follow_structure()
-        self.instance_clips.hush(whose or Path())
-        self.deck.play(number, *others, mode=self.deck.mode, speed=self.deck.speed)
-        self._posed_at = math.nan
-
     def play_beside(self, key: Hashable, clip: ClipAsset | None) -> None:
         """Play a clip whose channels count nodes by scene rows, beside all else, until it is None for that `key`."""
         self.beside.pop(key, None)

@@ -12,6 +12,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from engine.report.page.text import milliseconds as shown
+
 if TYPE_CHECKING:
     from engine.core.param import Value
     from engine.render.settings import RenderSettings
@@ -70,7 +72,7 @@ class Chosen:
 def within_budget(milliseconds: Mapping[str, float], budget: float, what: str) -> Chosen:
     """The best preset whose measured frame fits in `budget` ms; the quickest where none does. `what`: was measured."""
     fitting = [name for name in NAMES if name in milliseconds and milliseconds[name] <= budget]
-    times = ", ".join(f"{name} {milliseconds[name]:.3g}" for name in NAMES if name in milliseconds)
+    times = ", ".join(f"{name} {shown(milliseconds[name])}" for name in NAMES if name in milliseconds)
     if fitting:
         best = fitting[-1]
         return Chosen(best, f"{best}: the best within {budget:g} ms; frames of {what} take {times} ms", True)

@@ -16,6 +16,7 @@ from engine.render.camera import Camera
 from engine.render.presets import NAMES, PRESETS, preset_of, with_preset, within_budget
 from engine.render.settings import RenderSettings
 from engine.render.view import View
+from engine.report.page.text import milliseconds
 from importers.cli.render_quality import add_quality_arguments, auto_quality, check_quality
 from tests.support.stage import Stage
 
@@ -48,7 +49,7 @@ def test_a_preset_is_parameters_and_nothing_else(name: str) -> None:
 def test_the_best_that_fits(budget: float, preset: str, within: bool) -> None:
     chosen = within_budget(TIMES, budget, "this scene")
     assert (chosen.preset, chosen.within) == (preset, within)
-    assert all(f"{name} {ms:.3g}" in chosen.why for name, ms in TIMES.items()), "it says what was measured"
+    assert all(f"{name} {milliseconds(ms)}" in chosen.why for name, ms in TIMES.items()), "it says what was measured"
     # a preset that is both better and quicker is taken, whatever the order of the names
     assert within_budget({**TIMES, "ultra": 3.0}, 4.0, "").preset == "ultra"
     assert within_budget({"low": 10.1, "medium": 9.8, "ultra": 10.0}, 4.0, "").preset == "low"

@@ -73,7 +73,7 @@ def test_each_prefab_plays_its_first_clip_beside_that_of_the_scene(level: Runtim
 
 
 def test_another_clip_of_a_prefab_replaces_its_own_only(level: Runtime) -> None:
-    level.play_of_cast("hero/reach")
+    level.instance_clips.play("hero/reach")
     level.update(1.0)
     assert arms(level) == [[1.0, 0.0, 0.0]] * 2 + [[0.0, 1.0, 0.0]] * 2
     assert [level.clips[i].name for i in level.deck.active] == ["hero/reach", "open", "pair/hero/wave"]
@@ -202,7 +202,7 @@ def test_a_prefab_that_blends_its_clips_blends_them_in_its_instances(
     assert np.allclose(found[2:], [0.0, 1.0, 0.0])
     ((path, plays),) = runtime.instance_clips.animations().items()
     assert plays
-    runtime.play_of_cast("hero/wave")
+    runtime.instance_clips.play("hero/wave")
     runtime.update(1.5)
     assert np.allclose(arms(runtime)[0], [0.0, 1.5, 0.0]), "a clip instead"
     assert runtime.instance_clips.animations() == {path: False}

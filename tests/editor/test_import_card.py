@@ -60,20 +60,18 @@ def test_its_own_fixes_leave_it_open() -> None:
     assert drawn(folding, first, "taken back") is False, "an undo is a deed, and what was seen is not shown anew"
 
 
-def test_the_menu_opens_what_is_folded_and_puts_away_what_is_open(tmp_path: Path) -> None:
+def test_the_menu_opens_what_is_folded_and_puts_away_what_is_open(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("LUCARNA_CACHE", str(tmp_path / "cache"))
     session = real_session()
     opened(session, write_small_source(tmp_path / "crate.gltf"))
     operations, requests = builtin_operations(), session.ui
-    assert requests.import_card
-    requests.import_card_folded = True
-    operations.run("file.import-card", session)
-    assert requests.import_card
-    assert requests.import_card_opened
-    requests.import_card_folded = False
-    operations.run("file.import-card", session)
-    assert not requests.import_card
-    operations.run("file.import-card", session)
-    assert requests.import_card
-    assert requests.import_card_opened
+    seen = [(requests.import_card, False)]
+    for folded in (True, False, False):
+        requests.import_card_folded, requests.import_card_opened = folded, False
+        operations.run("file.import-card", session)
+        seen.append((requests.import_card, requests.import_card_opened))
+    assert seen == [(True, False), (True, True), (False, False), (True, True)]
     session.sources.stop()
     session.close_all()

@@ -6,10 +6,10 @@ from tests.fuzz.operations import fuzz
 
 
 def test_random_operations_undo_and_kills() -> None:
-    outcome = fuzz(160, seed=7, every=40)
+    outcome = fuzz(120, seed=7, every=40)
     assert not outcome.failures, outcome.failures[0]
-    assert outcome.operations >= 160
+    assert outcome.operations >= 120
     assert outcome.kills >= 3
     assert outcome.restored >= 1
     assert outcome.open >= 2, "one document at a time would not show what they share"
-    assert sum(outcome.counts.values()) >= 130, "the walk was counted"
+    assert sum(outcome.counts.values()) >= 90, "the walk was counted"

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from engine.core.errors import ShaderError, UsageError
-from engine.gpu.preprocess import flatten
+from engine.gpu.preprocess import Texts, flatten
 
 
 def put(root: Path, files: dict[str, str]) -> Path:
@@ -55,6 +55,23 @@ def test_each_file_once_whatever_the_path_to_it(tmp_path: Path) -> None:
 def test_beside_the_including_file_wins_over_search(tmp_path: Path) -> None:
     put(tmp_path, {"fx/a.frag": '#include "x.glsl"\n', "fx/x.glsl": "float near;\n", "x.glsl": "float far;\n"})
     assert code(flatten(tmp_path / "fx/a.frag", "fragment", search=[tmp_path]).text) == ["float near;"]
+
+
+def test_calls_that_share_texts_see_one_state_of_the_disk(tmp_path: Path) -> None:
+    own, theirs = tmp_path / "own", tmp_path / "theirs"
+    put(theirs, {"a.frag": '#include "lib.glsl"\n', "lib.glsl": "theirs;\n"})
+    own.mkdir()
+    texts = Texts()
+
+    def text(texts: Texts) -> str:
+        return flatten(theirs / "a.frag", "fragment", search=[own, tmp_path / "more", theirs], texts=texts).text
+
+    before = text(texts)
+    assert "theirs;" in before
+    (theirs / "lib.glsl").unlink()
+    put(own, {"lib.glsl": "own;\n"})
+    assert text(texts) == before
+    assert "own;" in text(Texts())
 
 
 def test_include_first_met_inside_an_if_is_still_there_outside(tmp_path: Path) -> None:

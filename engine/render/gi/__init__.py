@@ -6,7 +6,7 @@ May import what engine.render may. The passes are in engine/render/passes, named
                 ─► radiosity      what both layers send out: lamps, suns (with shadows), emission; smaller sizes of it
                 ─► bounces        what they reflect of light gathered at coarse texels, again and again
                 ─► indirect       gathered at each pixel, mixed with the frames before, filtered
-                ─► reflections    marched through both layers along the mirrored view
+                ─► reflections    the mirrored view goes through both layers, over large pieces where nothing is
                 ─► opaque surfaces read both (shaders/lib/indirect.glsl)
 
 choice.py      which of it a view has, and how far it looks

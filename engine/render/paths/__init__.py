@@ -10,7 +10,8 @@ choice.py       which path a frame takes, and why: asked for, or the cheapest by
     lens: depth of field ─► TAA ─► auto exposure meters ─► bloom ─► resolve (linear output) ─► tone map ─► FXAA or SMAA;
           each only where it is wanted (lens.py)
 motion vectors are made from depth: after the depth that comes first, or after everything solid (passes/motion.py)
-Where ambient occlusion is wanted, depth comes first in every path, and what it hides is known when surfaces are shaded.
+Where ambient occlusion is wanted, or `depth_first` says so, depth comes first in every path, and what it hides is known
+when surfaces are shaded.
 So it is with light between surfaces and reflections (engine/render/gi): depth ─► layers ─► radiosity ─► gather.
 Surfaces of effects without a `gbuffer` technique (layers, other microfacet terms, toon) are drawn behind the lighting
 in the deferred paths, by all lights, unpacked in every path. Before `transparent` comes a copy of the picture where

@@ -104,8 +104,9 @@ def clips(run: WindowRun, root: Path, seen: dict[str, Any]) -> None:
     document = session.document
     assert document is not None
     ops = run.app.ui.operations
-    for x in (-2.0, -4.0):
-        run.do(lambda x=x: ops.run("prefab.place", session, path=root / "figure/figure.scene.json", at=(x, 0.0, 0.0)))
+    path = root / "figure/figure.scene.json"
+    run.do(lambda: ops.run("prefab.place", session, path=path, at=(-2.0, 0.0, 0.0)))
+    run.do(lambda: ops.run("prefab.place", session, path=path, at=(-4.0, 0.0, 0.0)))
     session.playback.playing = False
     session.frame_all()
     session.ui.focus_panel = "Timeline"
@@ -114,7 +115,8 @@ def clips(run: WindowRun, root: Path, seen: dict[str, Any]) -> None:
     run.do(lambda: session.seek(0.3))
     run.ctx.yield_(6)
     seen["moved"] = float((run.picture() != before).any(axis=-1).mean())
-    seen["clips"] = [clip.name for clip in document.runtime.clips]
+    runtime: Any = document.runtime
+    seen["clips"] = [clip.name for clip in runtime.clips]
     run.shot("figures")
 
 
