@@ -6,7 +6,7 @@
                           file_watch.py (files), interrupts.py (Ctrl+C); window_state.py: whether anybody looks
     panels/ *.py          one panel a file, listed in panels.registry                  (imgui)
     dialogs/ *.py         open, save, progress, unsaved changes, palette, cards         (imgui)
-    menus, keys, widgets, param_widgets, theme, layout, layout_slots                    (imgui)
+    menus, keys, widgets, flowing, param_widgets, theme, layout, layout_slots           (imgui)
     compare_overlay       an earlier state beside the present one, a line that wipes    (imgui)
     overlay, markers, axis_widget, gizmo_widget      drawn over the picture             (imgui)
     light_outlines        what lights are and how far they reach, drawn over the picture   (imgui)
@@ -38,6 +38,9 @@
       |-- comparing/      any earlier state, or another render path, beside the present one: pictures and numbers
       |-- looks, surroundings, look_card, turntable    look-dev: curves, light, grey and chrome balls
       |-- bookmarks.py    camera bookmarks, a table of the document (bookmark_table.py)
+      |-- texture_sources, picture_files, texture_view    what the texture viewer reads, and how its numbers are shown
+      |-- asset_report.py    meshes, textures, materials, memory, findings; log_links: where a message leads
+      |-- baking.py       surroundings that a thread bakes: the picture keeps those of before until then
       |-- preview.py      a material on a shape, by engine.app.material_stage; its set-up is remembered
       |-- asset_thumbnails.py    pictures of asset files, made by thumbnail_maker.py in a worker process
       |-- animating/     edits of an animation file, clock and log that follow it

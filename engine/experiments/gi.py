@@ -20,7 +20,7 @@ from engine.experiments.harness.experiment import Experiment, Knobs, Outcome, Tr
 from engine.experiments.harness.gi_answers import Answer, answers, lag
 from engine.experiments.harness.pixel_truth import radiance, redrawn
 from engine.experiments.harness.scenes import MADE, open_scene, own_or, short
-from engine.experiments.harness.shown_light import judge_picture, shown_floor
+from engine.experiments.harness.shown_light import judge_picture, shown_floor, traced_pictures
 from engine.render.settings import RenderSettings
 from engine.render.view import View
 from engine.report.records import Extreme, Point, Table
@@ -86,34 +86,11 @@ def view(ctx: Context, scene: OpenScene, chosen: Knobs) -> View:
 
 def prepare(ctx: Context) -> Generator[tuple[float, str], None, None]:
     """Path trace every scene, once for each number of bounces."""
-    from engine.experiments.truth import reference
-    from engine.experiments.truth.path_tracer import Settings
-    from engine.experiments.truth.traced_scene import traced
-
-    width, height, paths = size(ctx)
-    problems = list(dict.fromkeys((str(k["scene"]), str(k["bounces"])) for k in knobs(ctx)))
-    for i, (name, bounces) in enumerate(problems):
-        try:
-            scene = open_scene(ctx, name)
-        except LucarnaError as error:
-            ctx.scratch[name, bounces] = error
-            continue
-        try:
-            off = {"scene": name, "bounces": bounces, "method": "off", "steps": 0}
-            world, camera = traced(scene, settings(off)), scene.camera(width / height)
-            how = Settings(paths, BOUNCES[bounces][0], seed=ctx.seed)
-            steps = reference.picture(ctx, f"gi-{short(name)}-{bounces}", world, camera, width, height, how)
-            while True:
-                try:
-                    done, text = next(steps)
-                except StopIteration as stop:
-                    ctx.scratch[name, bounces] = stop.value
-                    break
-                yield (i + done) / len(problems), text
-        except LucarnaError as error:
-            ctx.scratch[name, bounces] = error
-        finally:
-            scene.close()
+    problems = dict.fromkeys((str(k["scene"]), str(k["bounces"])) for k in knobs(ctx))
+    wanted = {(name, many): (name, f"gi-{short(name)}-{many}", BOUNCES[many][0]) for name, many in problems}
+    yield from traced_pictures(
+        ctx, wanted, size(ctx), lambda _, key: settings({"bounces": key[1], "method": "off", "steps": 0})
+    )
 
 
 def run(ctx: Context, chosen: Knobs) -> Trial:

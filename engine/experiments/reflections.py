@@ -16,7 +16,7 @@ from engine.experiments.harness.experiment import Experiment, Knobs, Outcome, Tr
 from engine.experiments.harness.mirror_answers import Mirrored, bars
 from engine.experiments.harness.pixel_truth import radiance, redrawn
 from engine.experiments.harness.scenes import MADE, open_scene, own_or, short
-from engine.experiments.harness.shown_light import judge_picture, shown_floor
+from engine.experiments.harness.shown_light import judge_picture, shown_floor, traced_pictures
 from engine.render.settings import RenderSettings
 from engine.render.view import View
 from engine.report.records import Extreme, Point, Table
@@ -64,27 +64,9 @@ def view(ctx: Context, scene: OpenScene, chosen: Knobs) -> View:
 
 def prepare(ctx: Context) -> Generator[tuple[float, str], None, None]:
     """Path trace every scene."""
-    from engine.experiments.truth import reference
-    from engine.experiments.truth.path_tracer import Settings
-    from engine.experiments.truth.traced_scene import traced
-
-    width, height, paths = size(ctx)
-    for name in dict.fromkeys(str(k["scene"]) for k in knobs(ctx)):
-        try:
-            scene = open_scene(ctx, name)
-        except LucarnaError as error:
-            ctx.scratch[name] = error
-            continue
-        try:
-            off = settings(scene, {"scene": name, "reach": "off", "steps": 0})
-            world, camera = traced(scene, off), scene.camera(width / height)
-            ctx.scratch[name] = yield from reference.picture(
-                ctx, f"reflections-{short(name)}", world, camera, width, height, Settings(paths, 2, seed=ctx.seed)
-            )
-        except LucarnaError as error:
-            ctx.scratch[name] = error
-        finally:
-            scene.close()
+    names = dict.fromkeys(str(k["scene"]) for k in knobs(ctx))
+    wanted = {name: (name, f"reflections-{short(name)}", 2) for name in names}
+    yield from traced_pictures(ctx, wanted, size(ctx), lambda scene, _: settings(scene, {"reach": "off", "steps": 0}))
 
 
 def run(ctx: Context, chosen: Knobs) -> Trial:

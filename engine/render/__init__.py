@@ -25,6 +25,8 @@ effect_programs.py  pipelines of batches in roles beside the picture's own: moti
 blocks.py       generated GLSL in front of shaders;   ahead.py: programs made in slices while the last picture stays
 hysteresis.py   facts that flicker stay on for a while
 nonfinite.py    beside the graph, on demand: which pass made the first NaN, and where
+peek.py         beside the graph, on demand: one target's texels in the middle of a frame
+background_bakes.py    surroundings baked in a thread, where who draws must not wait
 renderer.py     Renderer.render(scene, view) -> Frame
 
 scene tables ─► facts ─► hysteresis ─► frame graph (compiled once per facts) ─► passes ─► rgba8 picture + FrameStats

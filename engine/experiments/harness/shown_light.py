@@ -5,13 +5,19 @@ Pictures are exposed for the truth, so that its mean is a middle tone: one highl
 
 from __future__ import annotations
 
+from collections.abc import Callable, Generator, Mapping
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.experiments.harness.context import Context
+from engine.core.errors import LucarnaError
+from engine.experiments.harness.context import Context, OpenScene
 from engine.experiments.harness.experiment import Outcome
 from engine.experiments.harness.pictures import beside_truth
+from engine.experiments.harness.scenes import open_scene
 from engine.math.color import linear_to_srgb, to_u1
+from engine.render.settings import RenderSettings
 from engine.report.metrics import rel_mse, rmse
 from engine.report.perceptual import flip
 from engine.report.records import Floor
@@ -20,6 +26,46 @@ F8 = NDArray[np.float64]
 
 #: what the mean of the truth is shown as
 MIDDLE = 0.25
+
+
+def traced_pictures(
+    ctx: Context, wanted: Mapping[Any, tuple[str, str, int]], size: tuple[int, int, int],
+    settings: Callable[[OpenScene, Any], RenderSettings],
+) -> Generator[tuple[float, str], None, None]:  # fmt: skip
+    """Path trace pictures into ctx.scratch: key -> (scene, name in the cache, surfaces that a path may meet); `size`:
+    width, height, paths for each pixel. What makes one impossible is kept in its place."""
+    from engine.experiments.truth import reference
+    from engine.experiments.truth.path_tracer import Settings
+    from engine.experiments.truth.traced_scene import traced
+
+    width, height, paths = size
+    for i, (key, (name, label, surfaces)) in enumerate(wanted.items()):
+        try:
+            scene = open_scene(ctx, name)
+        except LucarnaError as error:
+            ctx.scratch[key] = error
+            continue
+        try:
+            world, camera = traced(scene, settings(scene, key)), scene.camera(width / height)
+            steps = reference.picture(
+                ctx, label, world, camera, width, height, Settings(paths, surfaces, seed=ctx.seed)
+            )
+            ctx.scratch[key] = yield from _part(steps, i, len(wanted))
+        except LucarnaError as error:
+            ctx.scratch[key] = error
+        finally:
+            scene.close()
+
+
+def _part(
+    steps: Generator[tuple[float, str], None, Any], i: int, count: int
+) -> Generator[tuple[float, str], None, Any]:
+    while True:
+        try:
+            done, text = next(steps)
+        except StopIteration as stop:
+            return stop.value
+        yield (i + done) / count, text
 
 
 def judge_picture(ctx: Context, ours: F8, truth: F8, label: str) -> Outcome:
