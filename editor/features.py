@@ -65,7 +65,8 @@ FEATURES = (
     _f("Command palette", "help.palette", first="1"),
     _f("Interface scale from 75 to 300 %", "view.scale-up view.scale-down view.scale-reset", "Preferences", "edit",
        first="1"),
-    _f("Draws nothing while nothing changes", "view.show-stats view.background-slow view.fps-limit", "Timings", first="1"),
+    _f("Draws nothing while nothing changes", "view.show-stats view.background-slow view.fps-limit", "Timings",
+       first="1"),
     _f("Packages: folder build and wheel", commands="doctor", first="1", missing="signing of the packages"),
     _f("Navigation with three buttons, a pen or a trackpad", "view.frame view.frame-all view.reset-camera "
        "view.front view.right view.top view.orthographic view.look view.fly help.pointer-trackpad help.reverse-scroll",

@@ -53,7 +53,7 @@ class HistoryPictures:
         return len(self._made)
 
     def native(self, document: Document, entry: Edit | None) -> tuple[int, float]:
-        """The native id of the picture after `entry` (None: as opened) and its height over its width; (0, 0) for none."""
+        """Native id of the picture after `entry` (None: as opened) and its height over its width; (0, 0) for none."""
         key = (id(document), id(entry) if entry is not None else 0)
         found = self._made.get(key)
         if found is None:
@@ -62,7 +62,7 @@ class HistoryPictures:
         return int(found.texture.native), found.texture.desc.height / found.texture.desc.width
 
     def take(self, session: Session, frame: Any, *, resting: bool) -> None:
-        """Picture the state at hand, where `frame` shows it and it has no picture yet; again once it is `resting`, since
+        """Picture the state at hand, where `frame` shows it and it has no picture; again once it is `resting`, since
         the first frames after an edit may be coarse. Costs a comparison where there is nothing to do."""
         document = session.document
         if document is None or frame is None or self.off or session.null_pictures:

@@ -1,6 +1,6 @@
 """Ctrl+C in the terminal and the system's "please end", while the window sleeps in its library and runs no Python.
 
-signal ──► the interpreter writes a byte (set_wakeup_fd) ──► a thread reads it ──► wake() ──► the next frame sees `signal`
+signal ──► the interpreter writes a byte (set_wakeup_fd) ──► a thread reads it ──► wake() ──► the next frame sees it
 """
 
 from __future__ import annotations

@@ -21,7 +21,12 @@ SNAPS = {
 
 
 def live_hints(
-    preset: str, held: AbstractSet[str], *, tool: str = "", flying: bool = False, measuring: bool = False,
+    preset: str,
+    held: AbstractSet[str],
+    *,
+    tool: str = "",
+    flying: bool = False,
+    measuring: bool = False,
     pointer: str = "mouse",
 ) -> list[tuple[str, str]]:
     """(gesture, what it does): of the held modifiers (ctrl, alt, shift) where there are some, else the usual ones."""

@@ -318,7 +318,7 @@ def apply_to_object(node: NodeAsset, column: str, value: Any) -> None:
     said = [*map(dict, node.mesh.overrides), *({} for _ in range(slot + 1 - len(node.mesh.overrides)))]
     said[slot].pop(name, None)
     if value is not None:
-        said[slot][name] = list(value) if isinstance(value, tuple) else value
+        said[slot][name] = value
     while said and not said[-1]:
         said.pop()
     node.mesh = replace(node.mesh, overrides=said)

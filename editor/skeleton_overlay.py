@@ -22,7 +22,9 @@ F8 = NDArray[np.float64]
 GHOST_BEFORE, GHOST_AFTER = (0.38, 0.62, 0.95), (0.95, 0.55, 0.35)
 AXES = ((0.93, 0.30, 0.30, 1.0), (0.56, 0.88, 0.39, 1.0), (0.30, 0.50, 0.95, 1.0))
 #: scene-linear, by the number of bones that move a vertex, as shaders/lib/skin_views.glsl
-INFLUENCES = ((0.0, 0.168, 0.445), (0.0, 0.342, 0.171), (0.871, 0.775, 0.054), (0.665, 0.112, 0.0), (0.604, 0.191, 0.386))
+INFLUENCES = (
+    (0.0, 0.168, 0.445), (0.0, 0.342, 0.171), (0.871, 0.775, 0.054), (0.665, 0.112, 0.0), (0.604, 0.191, 0.386),
+)  # fmt: skip
 #: above so many bones names are left out, but for those near the pointer
 MANY_NAMES = 80
 

@@ -163,6 +163,8 @@ def apply(scale: float = 1.0, display: float = 1.0) -> None:
     style.hover_delay_short = 0.25
     style.font_scale_main = scale
     style.scale_all_sizes(scale * display)
+    for name in ("window_border_size", "child_border_size", "popup_border_size", "frame_border_size"):
+        setattr(style, name, max(getattr(style, name), 1.0))  # at 75 % it would be rounded away
     for name, color in _colors().items():
         style.set_color_(getattr(imgui.Col_, name), imgui.ImVec4(*color))
 

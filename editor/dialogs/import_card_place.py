@@ -16,8 +16,8 @@ YOUNG = 5
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """em, from the top right of the picture; `height`: at most, the rest is scrolled to. `whole`: there is room for more
-    than a line; `line`: where that begins, when it is folded; `fits`: a line does."""
+    """em, from the top right of the picture; `height`: at most, the rest is scrolled to. `whole`: there is room for
+    more than a line; `line`: where that begins, when it is folded; `fits`: a line does."""
 
     top: float
     line: float
@@ -44,8 +44,8 @@ def placed(width: float, height: float, wanted: float = 1e9) -> Place:
 class Folding:
     """`whole`: None where it is as there is room, else as the user or what he did wants it.
 
-    An import that is new is shown whole. The first thing that the user does then (`deed`: what he has selected, where he
-    looks from, how many edits there are) folds it, unless he opened it himself: then he folds it, too."""
+    An import that is new is shown whole. The first thing that the user does then (`deed`: what he has selected, where
+    he looks from, how many edits there are) folds it, unless he opened it himself: then he folds it, too."""
 
     def __init__(self) -> None:
         self.whole: bool | None = None

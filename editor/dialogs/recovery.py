@@ -10,6 +10,7 @@ from editor import icons, theme
 from editor.dialogs.modals import begin_card, center_next_window
 from editor.journal import discard
 from editor.recovering import recover
+from editor.strings import tr
 from editor.ui import Ui
 from editor.widgets import bold, em, fitted_text, text
 
@@ -33,7 +34,7 @@ class RecoveryModal:
             with bold(ui):
                 imgui.text_unformatted(f"{icons.WARNING}  Lucarna did not close in good order")
             edits = f"{recovery.edits} unsaved edit{'s' if recovery.edits != 1 else ''}"
-            text(f"{edits} of {recovery.name}, {_ago(time.time() - recovery.modified)}", theme.TEXT)
+            text(f"{recovery.name}: {tr(edits)}, {tr(_ago(time.time() - recovery.modified))}", theme.TEXT)
             fitted_text(str(recovery.source), theme.DIM)
             imgui.spacing()
             if imgui.button("Restore", (em(6), 0)):

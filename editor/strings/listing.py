@@ -9,6 +9,7 @@ source code    what is written out in calls that show it: labels, tips, headings
 from __future__ import annotations
 
 import ast
+import re
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -29,6 +30,8 @@ SHOWING = {
     "combo": (0,), **dict.fromkeys(LABELS, (0,)), **{n: (p,) for n, p in TEXTS.items()},
     **dict.fromkeys(HINTED, (0, 1)),
 }  # fmt: skip
+#: words enough in a row that they were not left for their own sake
+SENTENCE = re.compile(r"[A-Za-z]+(?: [A-Za-z]+){2,}")
 #: attributes that hold what is shown
 NOTICES = ("notice", "status_hint")
 
@@ -172,14 +175,19 @@ def clean(words: str) -> str:
     return shown if any(c.isalpha() for c in shown.replace("{}", "")) else ""
 
 
+def _translated(table: strings.Table, line: str) -> bool:
+    """Whether it is, and not in part only, by the template of another."""
+    found = table.translate(line)
+    return found != line and (line in table.entries or SENTENCE.search(found) is None)
+
+
 def missing(language: str, wanted: Mapping[str, str]) -> dict[str, str]:
     """What of `wanted` has no translation."""
     table = strings.load(language)
 
     def known(words: str) -> bool:
         return words in table.entries or all(
-            not clean(line) or table.translate(line.replace("{}", "7")) != line.replace("{}", "7")
-            for line in words.split("\n")
+            not clean(line) or _translated(table, line.replace("{}", "7")) for line in words.split("\n")
         )
 
     return {words: where for words, where in wanted.items() if not known(words)}

@@ -38,7 +38,7 @@ class ObjectMaterials:
                 good = {}
                 for name, value in values.items():
                     try:
-                        good[name] = _as_read(self._param(node, slot, name).check(value))
+                        good[name] = self._param(node, slot, name).check(value)
                     except LucarnaError as error:
                         place = f"{source.name}: mesh.overrides[{slot}].{name}"
                         findings.error("object.override", error.message, place, error.hint)
@@ -71,7 +71,7 @@ class ObjectMaterials:
             if value is None:
                 now.pop(name, None)
             else:
-                now[name] = _as_read(self._param(node, slot, name).check(value))
+                now[name] = self._param(node, slot, name).check(value)
         said = [*map(dict, source.mesh.overrides), *({} for _ in range(slot + 1 - len(source.mesh.overrides)))]
         said[slot] = now
         while said and not said[-1]:
@@ -149,7 +149,7 @@ class ObjectMaterials:
     def _shows(self, material: int, values: Mapping[str, Any]) -> bool:
         """Whether a material is the variation with these values; without any, whether it is none."""
         record = self._residency.material(material)
-        return (record.base >= 0) == bool(values) and {n: _as_read(v) for n, v in record.overrides.items()} == values
+        return (record.base >= 0) == bool(values) and record.overrides == values
 
     def _taken(self, node: int, slot: int, values: Mapping[str, Any]) -> dict[str, Any]:
         """Those of `values` that the effect takes."""
@@ -158,7 +158,7 @@ class ObjectMaterials:
         for name, value in values.items():
             with contextlib.suppress(LucarnaError):  # of what the file says wrong `load` has told
                 if name in params:
-                    taken[name] = _as_read(params[name].check(value))
+                    taken[name] = params[name].check(value)
         return taken
 
     def _rows(self, node: int, slot: int) -> NDArray[np.intp]:
@@ -174,8 +174,3 @@ class ObjectMaterials:
     def _put(self, rows: NDArray[np.intp], material: int) -> None:
         if (self._scene.instances.material[rows] != material).any():
             self._scene.instances.set_material(rows, material)
-
-
-def _as_read(value: Any) -> Any:
-    """A value as a scene file that is read has it."""
-    return list(value) if isinstance(value, tuple) else value

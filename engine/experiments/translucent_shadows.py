@@ -1,8 +1,8 @@
 """Shadows of a pane of coloured glass, by every type of light: what is left of the light, where it is a formula.
 
 A floor, a pane of 1 m two metres over it, and one light: the sun, or a lamp four metres high. At each place of the
-floor the truth is the part of the light that the pane lies before, which lets mix(white, its colour, its alpha) through.
-The camera hangs under the pane and sees nothing but the floor. Ours is read out of two pictures: with over without shadows.
+floor the truth is the part of the light that the pane lies before: it lets mix(white, its colour, its alpha) through.
+The camera hangs under the pane and sees only the floor. Ours is read out of two pictures: with over without shadows.
 """
 
 from __future__ import annotations

@@ -164,14 +164,14 @@ class RenderSettings(ParamBlock):
     local_shadow_lights: int = param(32, min=0, max=256, doc="most lights with shadows, by brightness and nearness")
     shadow_floor: float = param(
         0.0, min=0.0, max=1.0, step=0.01,
-        doc="a floor at the scene's lowest point that only shadows (and ambient occlusion) are seen of: how dark they are; 0 = no floor",
+        doc="a floor at the scene's lowest point of which only shadows are seen, and occlusion: how dark; 0 = no floor",
     )  # fmt: skip
     shadow_floor_offset: float = param(
         0.0, min=-1e6, max=1e6, step=0.01, unit="m", doc="raises that floor over the lowest point, or sinks it"
     )
     ambient_occlusion: str = param(
         "off", choices=METHOD_CHOICES,
-        doc="hides environment light in corners; gtao: slices, what stands free hides itself alone; hbao, alchemy: older estimates",
+        doc="hides environment light in corners; gtao: slices, free-standing things hide less; hbao, alchemy: older",
     )  # fmt: skip
     ao_radius: float = param(0.0, min=0.0, max=1e6, step=0.01, unit="m", doc="how far things hide; 0 = by the scene")
     ao_strength: float = param(1.0, min=0.0, max=1.0, step=0.01, doc="0 none, 1 as much as is hidden")
@@ -222,7 +222,7 @@ class RenderSettings(ParamBlock):
         0.0, min=0.0, max=1e6, step=0.1, unit="m", doc="how far they see; 0 = by the scene"
     )
     reflection_steps: int = param(
-        128, min=4, max=1024, doc="pieces of the picture that a mirrored ray goes through at most, large ones where it can"
+        128, min=4, max=1024, doc="pieces of the picture that a mirrored ray goes through at most, large where it can"
     )
     refraction: str = param(
         "tested", choices=REFRACTIONS,

@@ -189,6 +189,9 @@ def node_from_plain(data: Mapping[str, Any]) -> NodeAsset:
     for key, kind in (("mesh", MeshRef), ("camera", CameraAsset), ("light", LightAsset)):
         if values[key] is not None:
             values[key] = kind(**values[key])
+    if values["mesh"] is not None:
+        said = values["mesh"].overrides
+        values["mesh"].overrides = [{k: tuple(v) if isinstance(v, list) else v for k, v in s.items()} for s in said]
     if values["light"] is not None:
         values["light"].color = tuple(values["light"].color)
     for key in ("translation", "rotation", "scale"):

@@ -1,8 +1,7 @@
-"""A real window: pictures in the history, an instance's own values, a character that plays, an import card that folds."""
+"""A real window: pictures in the history, an instance's values, a character that plays, an import card that folds."""
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np

@@ -89,10 +89,15 @@ def test_an_object_that_comes_back_shows_what_it_says(session: Session, scene: P
     assert own["cube"] == {"roughness": 0.25}
     structure.duplicate(document, [cube])
     session.edit("objects", "0:roughness", (cube,), (0.75,))
+    session.edit("objects", "0:emissive", (cube,), ((1.0, 0.0, 0.0),))
+    structure.duplicate(document, [cube])
+    said = [document.runtime.objects.values(row, 0) for row in range(6)]
+    assert said[5] == {"roughness": 0.75, "emissive": (1.0, 0.0, 0.0)}
     before = drawn(document)
-    assert {node: v["roughness"] for node, _m, _n, v in before if v} == {"cube": 0.75, "cube 2": 0.25}
+    assert {node: v["roughness"] for node, _m, _n, v in before if v} == {"cube": 0.75, "cube 2": 0.25, "cube 3": 0.75}
     again = recovered(session, tmp_path)
     assert drawn(again.document) == before
+    assert [again.document.runtime.objects.values(row, 0) for row in range(6)] == said
     again.close_all()
 
 
@@ -117,4 +122,4 @@ def test_variations_that_nothing_shows_are_used_again(session: Session, scene: P
         session.undo()
         session.redo()
     assert len(document.runtime.residency.materials.records) == count
-    assert document.runtime.objects.values(cube, 0) == {"base_color": [1.0, 0.0, 0.0, 1.0]}, "as a file says it"
+    assert document.runtime.objects.values(cube, 0) == {"base_color": (1.0, 0.0, 0.0, 1.0)}

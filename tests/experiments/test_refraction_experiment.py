@@ -14,8 +14,8 @@ from engine.experiments.harness.panes import Slab
 
 
 def test_a_slab_shifts_and_does_not_turn() -> None:
-    """At an angle a slab of index n shifts a ray by t sin(a) (1 - cos(a) / sqrt(n^2 - sin(a)^2)) across itself (Born and
-    Wolf 1999, sect. 4.7); straight on, or of index 1, by nothing."""
+    """At an angle a slab of index n shifts a ray by t sin(a) (1 - cos(a) / sqrt(n^2 - sin(a)^2)) across itself (Born
+    and Wolf 1999, sect. 4.7); straight on, or of index 1, by nothing."""
     a = np.pi / 4
     d = np.array([[np.sin(a), 0.0, -np.cos(a)], [0.0, 0.0, -1.0]])
     start = np.array([[-1.0, 0.2, 1.0], [0.3, 0.1, 1.0]])

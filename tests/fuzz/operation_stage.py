@@ -158,14 +158,16 @@ def reopened(session: Session, document: Document) -> tuple[Any, Any]:
 def _lasting(runtime: Any, asset: SceneAsset) -> Any:
     """What a file keeps, but for references, which are other from another folder."""
     materials = [said for said in _said(runtime) if said[0] != "default"]
+    name_of = {-1: ""} | {index: node.name for index, node in enumerate(asset.nodes)}
     nodes = [
-        # what an instance has within rounding as its prefab it has as its prefab
-        (n.name, n.parent, *(np.round(part, 6).tolist() for part in (n.translation, n.rotation, n.scale)),
+        # what an instance has within rounding as its prefab it has as its prefab, and where its parts stand in the
+        # order of the file says nothing
+        (n.name, name_of[n.parent], *(np.round(part, 6).tolist() for part in (n.translation, n.rotation, n.scale)),
          n.matrix, n.visible, n.camera, bool(n.light), n.weights)
         for n in asset.nodes
     ]  # fmt: skip
     animation = getattr(getattr(runtime, "animation", None), "text", "")
-    return materials, sorted(map(repr, _shown(runtime).values())), nodes, animation, asset.look
+    return materials, sorted(map(repr, _shown(runtime).values())), sorted(nodes, key=repr), animation, asset.look
 
 
 def _file_of(residency: Any, material: int) -> str:

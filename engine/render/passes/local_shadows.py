@@ -70,7 +70,7 @@ class LocalShadowsPass(Pass):
 def stale_tiles(
     drawn: dict[Square, Hashable], frame: RenderFrame, more: tuple[object, ...] = ()
 ) -> Iterator[tuple[int, Tile]]:
-    """Number and tile of what is not there as it should be, to be drawn; then it is. `more`: what else it is made of."""
+    """Number and tile of what is not there as it should be, to be drawn; then it is. `more`: what else makes it."""
     for i, tile in enumerate(frame.local_shadows.tiles):
         square, key = (tile.x, tile.y, tile.width), (*tile.key, *more)
         if drawn.get(square) == key:

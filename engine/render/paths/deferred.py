@@ -49,5 +49,6 @@ def tiled_deferred_passes() -> list[Pass]:
         DeepGbufferPass(), RadiosityPass(), BouncesPass(), IndirectPass(), ReflectionsPass(),
         OpaquePass(), LightCullingPass(),
         TiledShadingPass(), OpaqueForwardPass(), SkyPass(), ShadowFloorPass(),
-        LateMotionPass(), SceneColorPass(), SceneFrontPass(), TransparentPass(), LightHeatPass(), ShadowMapsPass(), *lens_passes(),
+        LateMotionPass(), SceneColorPass(), SceneFrontPass(), TransparentPass(),
+        LightHeatPass(), ShadowMapsPass(), *lens_passes(),
     ]  # fmt: skip

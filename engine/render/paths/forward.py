@@ -29,6 +29,6 @@ def forward_passes() -> list[Pass]:
         *shadow_passes(), DepthPrepass(), MotionPass(),
         PlanarReflectionsPass(), AmbientOcclusionPass(),
         DeepGbufferPass(), RadiosityPass(), BouncesPass(), IndirectPass(), ReflectionsPass(),
-        OpaquePass(), SkyPass(), ShadowFloorPass(), LateMotionPass(), SceneColorPass(), SceneFrontPass(), TransparentPass(),
-        LightHeatPass(), ShadowMapsPass(), *lens_passes(),
+        OpaquePass(), SkyPass(), ShadowFloorPass(), LateMotionPass(), SceneColorPass(), SceneFrontPass(),
+        TransparentPass(), LightHeatPass(), ShadowMapsPass(), *lens_passes(),
     ]  # fmt: skip

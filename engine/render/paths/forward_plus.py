@@ -30,6 +30,6 @@ def forward_plus_passes() -> list[Pass]:
         *shadow_passes(), DepthPrepass(), MotionPass(),
         PlanarReflectionsPass(), AmbientOcclusionPass(),
         DeepGbufferPass(), RadiosityPass(), BouncesPass(), IndirectPass(), ReflectionsPass(),
-        LightCullingPass(), OpaquePass(), SkyPass(), ShadowFloorPass(), LateMotionPass(), SceneColorPass(), SceneFrontPass(),
-        TransparentPass(), LightHeatPass(), ShadowMapsPass(), *lens_passes(),
+        LightCullingPass(), OpaquePass(), SkyPass(), ShadowFloorPass(), LateMotionPass(), SceneColorPass(),
+        SceneFrontPass(), TransparentPass(), LightHeatPass(), ShadowMapsPass(), *lens_passes(),
     ]  # fmt: skip

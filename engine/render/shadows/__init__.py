@@ -32,7 +32,7 @@ Solid lit surfaces cast, blended and unlit ones do not; all lit surfaces, blende
 With `translucent_shadows` blended lit surfaces are filters for light that casts shadows: each leaves mix(white, its
 base colour, its alpha) of the light that meets it, a transmissive one its base colour times its transmission (McGuire,
 Mara 2017); filters in a row are a product. As often as a camera in the light would see the surface blended: a closed
-body once, with both faces twice. A white pane leaves all light, whatever its alpha. Only the depth of the pane nearest to the light is
-known: what is between two of them has the tint of both. pcss and the blurred maps look tints up in a disc of the
-filter's radius; a lamp with a size does so over the lamp.
+body once, with both faces twice. A white pane leaves all light, whatever its alpha. Only the depth of the pane nearest
+to the light is known: what is between two of them has the tint of both. pcss and the blurred maps look tints up in a
+disc of the filter's radius; a lamp with a size does so over the lamp.
 """
