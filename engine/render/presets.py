@@ -35,12 +35,12 @@ PRESETS: dict[str, dict[str, Value]] = {
         "ao_steps": 4, "ao_half": True, "anisotropy": 2.0, "focus_taps": 48, "quality": "medium",
     },
     "high": {
-        "samples": 1, "antialias": "taa", "depth_first": True, "shadow_filter": "vogel8", "shadow_cascades": 4,
+        "samples": 1, "antialias": "taa", "depth_first": True, "shadow_filter": "pcf", "shadow_cascades": 4,
         "shadow_size": 2048, "local_shadow_size": 4096, "ambient_occlusion": "gtao", "ao_directions": 1,
         "ao_steps": 8, "ao_half": False, "anisotropy": 8.0, "focus_taps": 64, "quality": "high",
     },
     "ultra": {
-        "samples": 1, "antialias": "taa", "depth_first": True, "shadow_filter": "vogel16", "shadow_cascades": 4,
+        "samples": 1, "antialias": "taa", "depth_first": True, "shadow_filter": "pcf", "shadow_cascades": 4,
         "shadow_size": 4096, "local_shadow_size": 8192, "ambient_occlusion": "gtao", "ao_directions": 2,
         "ao_steps": 8, "ao_half": False, "anisotropy": 16.0, "focus_taps": 128, "quality": "high",
     },

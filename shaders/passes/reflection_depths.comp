@@ -8,12 +8,16 @@ layout(binding = 17) uniform sampler2D t_before;
 #endif
 layout(binding = 1, rg32f) uniform writeonly image2D i_range;
 
+// A bad number is nothing.
+bool depth_is(float depth) { return depth > 0.0 && depth <= 1.0; }
+
 vec2 range_at(ivec2 texel)
 {
 #if LEVEL > 0
     return texelFetch(t_before, texel, LEVEL - 1).xy;
 #else
     vec2 depths = texelFetch(t_depths, texel, 0).xy;
+    depths = mix(vec2(0.0), depths, bvec2(depth_is(depths.x), depth_is(depths.y)));
     return vec2(depths.x, depths.y > 0.0 ? depths.y : (depths.x > 0.0 ? depths.x : 1.0));
 #endif
 }

@@ -17,7 +17,7 @@ pytestmark = pytest.mark.window
 EXPECTED = {
     "syntax": (r"surface.frag:", "syntax error"),
     "type": (r"surface.frag:", "type"),
-    "missing include": ("surface.frag:6:10", "did you mean 'lib/view.glsl'?"),
+    "missing include": ("surface.frag:9:10", "did you mean 'lib/view.glsl'?"),
     "include cycle": ("brdf.glsl:3:10", "closes a cycle"),
     "unknown key": ("surface.effect.toml:3:1", "did you mean 'doc'?"),
     "not finite": (r"surface.frag:", "the change begins at line"),

@@ -97,7 +97,7 @@ def test_the_window_goes_on_while_shaders_are_made(session: Session) -> None:
         told_of.append(session.image.compiling)
     assert frame is not None
     assert session.image.renders == 1
-    assert len(told_of) > 3
+    assert len(told_of) > 1
     assert all(0 <= done < total for done, total in told_of)
     settled = session.image.pixels()
     session.settings.view = "normal"

@@ -114,7 +114,7 @@ def test_an_edited_shader_is_on_screen_after_one_look(project: Project) -> None:
     [
         (FRAG, LAST, "sanitise(color), 1.0", "surface.frag"),
         (FRAG, "vec3 color = shade(", "float color = shade(", "surface.frag"),
-        (FRAG, "lib/view.glsl", "lib/veiw.glsl", "surface.frag:6:10"),
+        (FRAG, "lib/view.glsl", "lib/veiw.glsl", "surface.frag:9:10"),
         (INCLUDE, "\n\n", '\n#include "lib/lights.glsl"\n', "brdf.glsl"),
         (EFFECT, "doc = ", "dok = ", "surface.effect.toml:3:1"),
         (EFFECT, 'fragment = "effects/surface.frag"', 'fragment = "effects/sruface.frag"', "surface.effect.toml"),
