@@ -147,14 +147,30 @@ def test_a_file_that_is_followed_wakes_the_window(tmp_path: Path, woken: threadi
 
 @pytest.mark.skipif(sys.platform == "win32", reason="a process cannot send itself Ctrl+C alone there")
 def test_an_interrupt_wakes_the_window_and_the_second_one_ends(woken: threading.Event) -> None:
-    before = signal.getsignal(signal.SIGINT)
-    interrupts = Interrupts()
-    with interrupts.listening():
-        os.kill(os.getpid(), signal.SIGINT)
-        end = time.monotonic() + PATIENCE
-        while not interrupts.signal and time.monotonic() < end:
-            time.sleep(0.01)
-        assert interrupts.signal == signal.SIGINT
-        assert woken.wait(PATIENCE)
-        assert signal.getsignal(signal.SIGINT) is before, "the next one is nobody's to catch"
-    assert signal.getsignal(signal.SIGINT) is before
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored in a job of a script's background
+    try:
+        interrupts = Interrupts()
+        with interrupts.listening():
+            os.kill(os.getpid(), signal.SIGINT)
+            end = time.monotonic() + PATIENCE
+            while not interrupts.signal and time.monotonic() < end:
+                time.sleep(0.01)
+            assert interrupts.signal == signal.SIGINT
+            assert woken.wait(PATIENCE)
+            assert signal.getsignal(signal.SIGINT) is signal.default_int_handler, "the next one is nobody's to catch"
+        assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="a process cannot send itself Ctrl+C alone there")
+def test_an_interrupt_that_is_ignored_stays_so() -> None:
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        interrupts = Interrupts()
+        with interrupts.listening():
+            os.kill(os.getpid(), signal.SIGINT)
+            assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+        assert interrupts.signal == 0
+    finally:
+        signal.signal(signal.SIGINT, before)

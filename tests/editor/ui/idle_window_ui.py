@@ -168,6 +168,7 @@ def run(folder: Path) -> dict[str, Any]:
 
 
 if __name__ == "__main__":
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored in a job of a script's background
     found = run(Path(sys.argv[1]))
     sys.stdout.write("\n" + json.dumps(found) + "\n")
     sys.stdout.flush()
