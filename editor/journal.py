@@ -118,7 +118,7 @@ class Journal:
             self._line({"put": [*key, said[key]], **self._meaning(Command(key[0], key[1], key[2:], (0,), (0,)))})
         for (table, column, row), value in document.overrides.items() if new else ():
             edit = Command(table, column, (row,), (None,), (value,), "Recovered")
-            self._line({"e": "do", "c": edit_to_plain(edit), **self._meaning(edit), **stands})
+            self._line({"e": "do", "over": "base", "c": edit_to_plain(edit), **self._meaning(edit), **stands})
 
     def _meaning(self, edit: Edit) -> dict[str, Any]:
         """What an edit's numbers of meshes and materials are those of (editor.recovered_numbers)."""
@@ -276,6 +276,8 @@ def replay(document: Document, path: Path) -> int:
                 _put(document, line)
             if what == "do":
                 plain = in_place(line["c"], line.get("of", {}), document.runtime.residency)
+                if "over" in line:  # what it was before is in the base alone
+                    plain["before"] = list(document.tables[plain["table"]].read(plain["column"], plain["rows"]))
                 history.do(edit_from_plain(plain, document), line.get("g"))
             elif what == "saved":
                 note_saved(document)
