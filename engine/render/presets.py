@@ -25,7 +25,7 @@ ALIKE = 1.1
 #: from the quickest to the best
 PRESETS: dict[str, dict[str, Value]] = {
     "low": {
-        "samples": 1, "antialias": "smaa", "depth_first": True, "shadow_filter": "pcf", "shadow_cascades": 2,
+        "samples": 1, "antialias": "fxaa", "depth_first": True, "shadow_filter": "pcf", "shadow_cascades": 2,
         "shadow_size": 1024, "local_shadow_size": 1024, "ambient_occlusion": "off", "anisotropy": 1.0,
         "focus_taps": 24, "quality": "low",
     },

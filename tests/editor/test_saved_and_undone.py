@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -78,4 +79,23 @@ def test_an_earlier_scene_under_the_document_is_not_what_was_saved_of_a_later_on
     assert shown(again) == (0.5, 1.0), "a crash loses no undo of what was saved"
     assert again.save()
     assert grey(scene) == (0.5, 1.0)
+    again.close_all()
+
+
+def test_what_stood_over_a_new_base_is_recovered_and_undone(session: Session, scene: Path, tmp_path: Path) -> None:
+    opened(session, scene)
+    session.edit("materials", "roughness", (0,), (0.125,))
+    recovering.leave(session)
+    (left,) = journal.pending(tmp_path / "recovery")
+    lines = [json.loads(line) for line in left.path.read_text("utf-8").splitlines()]
+    for line in lines:
+        if line.get("c", {}).get("column") == "roughness":  # as a journal writes it that begins anew
+            line["over"], line["c"]["before"] = "base", [None]
+    left.path.write_text("".join(json.dumps(line) + "\n" for line in lines), "utf-8")
+    again = real_session(tmp_path / "again")
+    assert recovering.recover(again, left)
+    assert shown(again) == (0.125, 1.0)
+    assert again.document is not None
+    again.document.history.go_to(0)
+    assert shown(again) == (0.5, 1.0), "as the base says, which the line did not know"
     again.close_all()
