@@ -15,6 +15,9 @@ from editor.ui import Ui
 #: a property grid narrower than this, em, has its labels above their widgets
 NARROW = 13.0
 
+#: put together once: an enum of Python takes its time, and every widget asks
+_TIP = int(imgui.HoveredFlags_.for_tooltip) | int(imgui.HoveredFlags_.delay_normal)
+
 
 def em(count: float = 1.0) -> float:
     """`count` times the height of the font, in imgui units."""
@@ -67,7 +70,7 @@ def flow_text(value: str, color: Rgba | None = None, hint: str = "", *, gap: flo
 
 def tooltip(value: str) -> None:
     """For the item before: shown after a moment, wrapped."""
-    if value and imgui.is_item_hovered(imgui.HoveredFlags_.for_tooltip | imgui.HoveredFlags_.delay_normal):
+    if value and imgui.is_item_hovered(_TIP):
         imgui.begin_tooltip()
         imgui.push_text_wrap_pos(em(24))
         imgui.text_unformatted(value)

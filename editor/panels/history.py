@@ -19,6 +19,7 @@ from editor.widgets import em, empty_state, fitted, text
 WIDTH, HEIGHT, LARGE, NARROW = 3.0, 1.9, 17.0, 9.0
 #: before the label: without pictures, with them
 INDENT, BESIDE = 1.5, 1.5 + WIDTH + 0.5
+_TIP = int(imgui.HoveredFlags_.for_tooltip) | int(imgui.HoveredFlags_.delay_short)
 
 
 class HistoryPanel(Panel):
@@ -94,7 +95,7 @@ class HistoryPanel(Panel):
         """For the line before: the picture larger, and what the edit is of."""
         if entry is None and not native:
             return
-        if not imgui.is_item_hovered(imgui.HoveredFlags_.for_tooltip | imgui.HoveredFlags_.delay_short):
+        if not imgui.is_item_hovered(_TIP):
             return
         imgui.begin_tooltip()
         if native:

@@ -42,6 +42,14 @@ def indent(deepest: int, width: float) -> float:
     return min(em(0.95), max(em(0.2), 0.45 * width / max(deepest, 1)))
 
 
+#: of a row; put together once, since an enum of Python takes its time
+_ROW = (
+    int(imgui.SelectableFlags_.allow_overlap)
+    | int(imgui.SelectableFlags_.allow_double_click)
+    | int(imgui.SelectableFlags_.span_all_columns)
+)
+
+
 class SceneTreePanel(Panel):
     title: ClassVar[str] = "Scene"
     icon: ClassVar[str] = icons.TREE
@@ -141,12 +149,7 @@ class SceneTreePanel(Panel):
         selected = row in self._selected
         start = imgui.get_cursor_pos_x()
         name = nodes.name[row] or f"node {row}"
-        flags = (
-            imgui.SelectableFlags_.allow_overlap
-            | imgui.SelectableFlags_.allow_double_click
-            | imgui.SelectableFlags_.span_all_columns
-        )
-        if imgui.selectable(f"##{name}-{row}", selected, flags, (0, imgui.get_frame_height() * 0.92))[0]:
+        if imgui.selectable(f"##{name}-{row}", selected, _ROW, (0, imgui.get_frame_height() * 0.92))[0]:
             if imgui.get_io().key_shift and document.primary >= 0:
                 self._select_between(document, document.primary, row)
             else:
