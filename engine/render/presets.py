@@ -25,23 +25,27 @@ ALIKE = 1.1
 #: from the quickest to the best
 PRESETS: dict[str, dict[str, Value]] = {
     "low": {
-        "samples": 1, "antialias": "fxaa", "depth_first": True, "shadow_filter": "pcf", "shadow_cascades": 2,
-        "taa_frames": 8, "shadow_size": 1024, "local_shadow_size": 1024, "ambient_occlusion": "off", "anisotropy": 1.0,
+        "samples": 1, "antialias": "fxaa", "taa_frames": 8, "depth_first": True, "shadow_filter": "pcf",
+        "shadow_cascades": 2,
+        "shadow_size": 1024, "local_shadow_size": 1024, "ambient_occlusion": "off", "anisotropy": 1.0,
         "focus_taps": 24, "quality": "low",
     },
     "medium": {
-        "samples": 1, "antialias": "taa", "depth_first": True, "shadow_filter": "pcf", "shadow_cascades": 3,
-        "taa_frames": 8, "shadow_size": 1024, "local_shadow_size": 2048, "ambient_occlusion": "gtao", "ao_directions": 1,
+        "samples": 1, "antialias": "taa", "taa_frames": 8, "depth_first": True, "shadow_filter": "pcf",
+        "shadow_cascades": 3,
+        "shadow_size": 1024, "local_shadow_size": 2048, "ambient_occlusion": "gtao", "ao_directions": 1,
         "ao_steps": 4, "ao_half": True, "anisotropy": 2.0, "focus_taps": 48, "quality": "medium",
     },
     "high": {
-        "samples": 1, "antialias": "taa", "depth_first": True, "shadow_filter": "pcf", "shadow_cascades": 4,
-        "taa_frames": 8, "shadow_size": 2048, "local_shadow_size": 4096, "ambient_occlusion": "gtao", "ao_directions": 1,
+        "samples": 1, "antialias": "taa", "taa_frames": 8, "depth_first": True, "shadow_filter": "pcf",
+        "shadow_cascades": 4,
+        "shadow_size": 2048, "local_shadow_size": 4096, "ambient_occlusion": "gtao", "ao_directions": 1,
         "ao_steps": 8, "ao_half": False, "anisotropy": 8.0, "focus_taps": 64, "quality": "high",
     },
     "ultra": {
-        "samples": 1, "antialias": "taa", "depth_first": True, "shadow_filter": "pcf", "shadow_cascades": 4,
-        "taa_frames": 16, "shadow_size": 4096, "local_shadow_size": 8192, "ambient_occlusion": "gtao", "ao_directions": 2,
+        "samples": 1, "antialias": "taa", "taa_frames": 16, "depth_first": True, "shadow_filter": "pcf",
+        "shadow_cascades": 4,
+        "shadow_size": 4096, "local_shadow_size": 8192, "ambient_occlusion": "gtao", "ao_directions": 2,
         "ao_steps": 8, "ao_half": False, "anisotropy": 16.0, "focus_taps": 128, "quality": "high",
     },
 }  # fmt: skip
