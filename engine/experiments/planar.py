@@ -10,13 +10,14 @@ from collections.abc import Generator, Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from engine.core.errors import LucarnaError
 from engine.experiments.harness.context import Context
 from engine.experiments.harness.experiment import Experiment, Knobs, Outcome, Trial
 from engine.experiments.harness.pixel_truth import radiance, redrawn
 from engine.experiments.harness.scenes import MADE, open_scene, short
-from engine.experiments.harness.shown_light import judge_picture, shown_floor
+from engine.experiments.harness.shown_light import judge_picture, shown_floor, traced_pictures
 from engine.render.settings import RenderSettings
 from engine.render.view import View
 from engine.report.records import Point, Table
@@ -59,31 +60,27 @@ def view(ctx: Context, scene: Any, chosen: Knobs) -> View:
 
 
 def prepare(ctx: Context) -> Generator[tuple[float, str], None, None]:
-    """Path trace every scene."""
-    from engine.experiments.truth import reference
-    from engine.experiments.truth.path_tracer import Settings
+    """Path trace every scene, and find the pixels of its floor."""
+    wanted = {name: (name, f"planar-{short(name)}", 2) for name in SCENES}
+    yield from traced_pictures(ctx, wanted, size(ctx), lambda *_: settings(DEFAULT))
+    for name in SCENES:
+        if not isinstance(ctx.scratch[name], LucarnaError):
+            ctx.scratch[name, "floor"] = floor_seen(ctx, name)
+
+
+def floor_seen(ctx: Context, name: str) -> NDArray[np.bool_]:
+    """bool[h * w, 1]: whether the pixel's middle shows the scene's floor, which lies at a height of 0."""
     from engine.experiments.truth.traced_scene import surface_seen, traced
 
-    width, height, paths = size(ctx)
-    for name in SCENES:
-        try:
-            scene = open_scene(ctx, name)
-        except LucarnaError as error:
-            ctx.scratch[name] = error
-            continue
-        try:
-            world, camera = traced(scene, settings(DEFAULT)), scene.camera(width / height)
-            ctx.scratch[name] = yield from reference.picture(
-                ctx, f"planar-{short(name)}", world, camera, width, height, Settings(paths, 2, seed=ctx.seed)
-            )
-            met, surface = surface_seen(world, camera, width, height)
-            floor = np.zeros(width * height, np.bool_)
-            floor[met] = np.abs(surface.place[:, 1]) < 1e-4
-            ctx.scratch[name, "floor"] = floor[:, None]
-        except LucarnaError as error:
-            ctx.scratch[name] = error
-        finally:
-            scene.close()
+    width, height, _ = size(ctx)
+    scene = open_scene(ctx, name)
+    try:
+        met, surface = surface_seen(traced(scene, settings(DEFAULT)), scene.camera(width / height), width, height)
+    finally:
+        scene.close()
+    floor = np.zeros(width * height, np.bool_)
+    floor[met] = np.abs(surface.place[:, 1]) < 1e-4
+    return floor[:, None]
 
 
 def run(ctx: Context, chosen: Knobs) -> Trial:
